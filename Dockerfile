@@ -2,10 +2,11 @@
 # `docker run --rm --user "$(id -u):$(id -g)" -v "$PWD:/work" meecontact run quickstart` in a folder with
 # config/quickstart.yaml. The program runs as no one's administrator; the base image is a tag, see docs/runs.md.
 FROM python:3.11-slim
-RUN apt-get update && apt-get install --yes --no-install-recommends make && rm -rf /var/lib/apt/lists/*
 WORKDIR /meecontact
 COPY . .
-RUN make .venv/run.stamp
+RUN python -m venv .venv \
+    && .venv/bin/python -m pip install --no-cache-dir --require-hashes -r requirements/cloud.txt \
+    && .venv/bin/python -m pip install --no-cache-dir --no-deps --no-build-isolation -e .
 ENV PATH=/meecontact/.venv/bin:$PATH
 ENV HOME=/tmp
 WORKDIR /work

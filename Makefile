@@ -7,7 +7,7 @@ BIN    := .venv/bin
 export PYTHONDONTWRITEBYTECODE :=
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: run check test tests outside coverage soak kernels slurm referees lint docs bench lock schema clean help
+.PHONY: run check test tests outside coverage soak kernels slurm cloud referees lint docs bench lock schema clean help
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -46,6 +46,9 @@ kernels: .venv/dev.stamp  ## the rooms where digits matter, under every OpenBLAS
 slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compared byte for byte with a local run
 	$(BIN)/python -m pytest -m slurm tests/slurm
 
+cloud: .venv/dev.stamp .venv/cloud.stamp  ## a small study without a shared disk: a bucket, and a folder of its own for every job
+	$(BIN)/python -m pytest -m cloud tests/cloud
+
 referees: .venv/referees.stamp  ## what public referees say of a run's files: CF, Croissant, RO-Crate [STUDY=quickstart]
 	@.venv/referees/bin/python tests/referees.py "results/$(STUDY)"
 
@@ -65,6 +68,10 @@ lock: .venv/dev.stamp  ## pin the dependencies anew, with hashes and without dow
 	  --custom-compile-command "make lock" --extra build --extra run --extra slurm -c requirements/run.txt pyproject.toml -o requirements/slurm.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" --extra build --extra run --extra slurm --extra docs --extra dev -c requirements/run.txt pyproject.toml -o requirements/dev.txt
+	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	  --custom-compile-command "make lock" --extra build --extra run --extra cloud pyproject.toml -o requirements/cloud.txt
+	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
+	  --custom-compile-command "make lock" -c requirements/cloud.txt requirements/bucket.in -o requirements/bucket.txt
 	$(BIN)/uv pip compile -q --upgrade --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
 	  --custom-compile-command "make lock" requirements/referees.in -o requirements/referees.txt
 	$(BIN)/uv pip compile -q --universal --python-version 3.11 --generate-hashes --no-emit-index-url \
@@ -101,6 +108,14 @@ schema: .venv/run.stamp  ## write the JSON schema and the documented default of 
 	@echo "installing the referees ($<) into .venv/referees"
 	@$(PYTHON) -m venv .venv/referees
 	@.venv/referees/bin/python -m pip install -q --require-hashes -r $<
+	@touch $@
+
+# what runs without a shared disk, and a bucket on this machine
+.venv/cloud.stamp: requirements/cloud.txt requirements/bucket.txt pyproject.toml | .venv/python.stamp
+	@echo "installing the storage and its plugins ($<) into .venv/cloud"
+	@$(PYTHON) -m venv .venv/cloud
+	@.venv/cloud/bin/python -m pip install -q --require-hashes -r $< -r requirements/bucket.txt
+	@.venv/cloud/bin/python -m pip install -q --no-deps --no-build-isolation -e .
 	@touch $@
 
 # one installation at a time into one environment, also under `make -j`

@@ -16,8 +16,9 @@ from pygments.formatters import HtmlFormatter
 from solver import names
 from solver.described import Described
 from solver.fields import FIELDS, POINT_FIELDS
-from workflow.cli.main import EXAMPLES, main
-from workflow.report import problem
+from workflow.cli.main import COMMANDS, main
+from workflow.report.page import TEMPLATES
+from workflow.study.schema import default_text
 
 ROOT = Path(__file__).parents[1]
 #: Files that ``python -m docs`` draws; a site without them leaves their figures out.
@@ -49,8 +50,7 @@ def on_files(files: Any, config: Any) -> Any:
         "study.md": study(),
         "modules.md": modules(),
         "quantities.md": quantities(),
-        "problem.svg": problem.draw(),
-        "film.svg": problem.film(),
+        "problem.svg": (TEMPLATES / "halfplane.svg").read_text(encoding="utf-8"),
         "pygments.css": HtmlFormatter(style="friendly").get_style_defs(".highlight"),
     }
     for page in sorted((ROOT / "docs/tutorials").glob("*.md")):
@@ -93,14 +93,13 @@ def on_post_build(config: Any) -> None:
 
 def commands() -> str:
     """Markdown page with the help of every command."""
-    parts = [f"## meecontact {name}\n\n```text\n{_help(name)}```\n" for name in EXAMPLES]
+    parts = [f"## meecontact {name}\n\n```text\n{_help(name)}```\n" for name in COMMANDS]
     opening = "Bad input ends with exit status 2 and one line: field, value and what is allowed. Nothing is written."
     return "\n".join(["# Every command\n", opening + "\n", f"```text\n{_help()}```\n", *parts])
 
 
 def study() -> str:
     """Markdown page with every key of a study and its default."""
-    keys = (ROOT / "config/schema/default.yaml").read_text(encoding="utf-8")
     examples = ", ".join(f"[{file.stem}](../config/{file.name})" for file in sorted((ROOT / "config").glob("*.yaml")))
     return f"""# The study file
 
@@ -112,7 +111,7 @@ below with its default. [Design and read-out](design.md) explains design questio
 Studies to begin with: {examples}.
 
 ```yaml
-{keys}```
+{default_text()}```
 """
 
 
@@ -147,6 +146,8 @@ _QUANTITIES: dict[str, dict[str, Described]] = {
     "Constants for heat": names.THERMAL,
     "Points": names.POINT_QUANTITIES,
     "Sliding points": names.POINT_SLIDING,
+    "Contacts in space": names.SPACE_QUANTITIES,
+    "Maps of contacts in space": names.MAPS,
     "Fields": FIELDS,
     "Fields of points": POINT_FIELDS,
 }

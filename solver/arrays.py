@@ -1,7 +1,8 @@
 """The array types of the room, and the small operations that every module needs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from numbers import Real
 from typing import TYPE_CHECKING, Any, SupportsFloat, TypeGuard, TypeVar
 
@@ -23,6 +24,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 Record = TypeVar("Record", bound="DataclassInstance")
 
 _LONGEST = 60  # characters of a value that a message quotes
+_NEAR = 0.65  # share of common letters: below it lie other words, as mass and base, or PMMA and PDMS
 
 
 def is_finite(value: object) -> TypeGuard[SupportsFloat]:
@@ -37,6 +39,11 @@ def shown(value: object) -> str:
     """A value at fault as messages quote it: in one line, and no more than its beginning."""
     text = str(value)
     return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
+
+
+def nearest(name: object, known: Collection[str]) -> str | None:
+    """Known name that a misspelt name probably means; None if none is near."""
+    return next(iter(get_close_matches(str(name), known, 1, _NEAR)), None)
 
 
 def dot(first: Array, second: Array) -> Array:

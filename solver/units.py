@@ -25,6 +25,7 @@ _ALONE = {  # no prefix
     "%": (1e-2, (0, 0, 0, 0, 0)),
     "ppm": (1e-6, (0, 0, 0, 0, 0)),
     "1": (1.0, (0, 0, 0, 0, 0)),
+    "deg": (math.pi / 180, (0, 0, 0, 0, 0)),
     "eps0": (VACUUM_PERMITTIVITY, (-3, -1, 4, 2, 0)),
     "mu0": (VACUUM_PERMEABILITY, (1, 1, -2, -2, 0)),
 }
@@ -45,6 +46,7 @@ _SYMBOLS: dict[str, tuple[float, tuple[int, int, int, int, int]]] = {  # exponen
     "Wb": (1.0, (2, 1, -2, -1, 0)),
     "H": (1.0, (2, 1, -2, -2, 0)),
     "Ohm": (1.0, (2, 1, -3, -2, 0)),
+    "rad": (1.0, (0, 0, 0, 0, 0)),
 }
 _PART = re.compile(
     r"(?P<over>/)?\s*(?P<symbol>%|1(?![0-9])|eps0|mu0|[A-Za-zµμ]+)\^?(?P<power>[-+]?[0-9]+(?:/[0-9]+)?)?"
@@ -116,7 +118,7 @@ class Unit:
 def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] | None:
     """The one symbol, or the power of a base unit, that has these exponents; nothing for a pure number."""
     for symbol, (_, dimensions) in _SYMBOLS.items():
-        if symbol != "g" and exponents == tuple(map(Fraction, dimensions)):
+        if symbol not in ("g", "rad") and exponents == tuple(map(Fraction, dimensions)):
             return ((symbol, Fraction(1)),)
     powers = tuple((name, power) for name, power in zip(("m", "kg", "s", "A", "K"), exponents, strict=True) if power)
     return powers if len(powers) < 2 else None
@@ -126,7 +128,7 @@ def _per_length(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], 
     """The symbol that, times a power of the metre, has these exponents, as ``V m-1``."""
     for symbol, (_, dimensions) in _SYMBOLS.items():
         length, *others = (a - b for a, b in zip(exponents, dimensions, strict=True))
-        if symbol not in ("g", "m") and not any(others):
+        if symbol not in ("g", "m", "rad") and not any(others):
             return (symbol, Fraction(1)), ("m", length)
     return None
 

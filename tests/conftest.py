@@ -45,6 +45,7 @@ LONGEST = (
     "tests/faults/test_hostile.py",  # it bounds the memory of its process, which no other test may have used
     *RUNS,
     "tests/test_tutorials.py",
+    "tests/verification/test_verification.py",
     "tests/workflow/design/test_costly.py",
     "tests/surrogate/use/test_inversion.py",
     "tests/workflow/design/test_question.py",

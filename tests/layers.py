@@ -33,25 +33,19 @@ test_tutorials.py workflow/calculator/test_calculated.py
 
 #: Those of dense searches, solutions in 50 digits and fits of studies.
 DENSE = """
-solver/face/test_air.py solver/face/test_films.py solver/face/test_own_base.py
-solver/face/test_scans.py solver/line/ solver/halfplane/test_coalescing_roots.py
-solver/halfplane/test_friction_coupling.py solver/halfplane/test_interior.py solver/halfplane/test_peaks.py
-solver/halfplane/test_precise.py solver/halfplane/test_precision.py
-solver/halfplane/test_speed.py solver/point/test_inside.py solver/point/test_precise.py
-solver/point/test_sliding.py solver/gap/ solver/test_contract.py solver/test_curves.py
-surrogate/test_contract.py surrogate/face/test_persistence.py
+solver/face/test_air.py solver/face/test_films.py solver/face/test_own_base.py solver/face/test_scans.py solver/line/
+solver/halfplane/test_precise.py solver/halfplane/test_interior.py solver/point/ solver/gap/ solver/heat/
+solver/test_contract.py solver/test_curves.py surrogate/test_contract.py surrogate/face/test_persistence.py
 surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/ surrogate/transforms/curves/ surrogate/use/
-test_examples.py test_numbers.py verification/
-workflow/cli/test_learn.py workflow/dataset/ workflow/design/ workflow/learning/ workflow/report/test_figures.py
-workflow/report/test_films.py workflow/report/test_firstscreen.py workflow/study/test_categories.py
-workflow/study/test_grouped.py workflow/study/test_layered.py
+test_examples.py test_numbers.py verification/ workflow/cli/test_learn.py workflow/dataset/ workflow/design/
+workflow/learning/ workflow/report/test_figures.py workflow/report/test_films.py workflow/report/test_firstscreen.py
+workflow/study/test_categories.py workflow/study/test_grouped.py workflow/study/test_layered.py
+workflow/study/test_points.py workflow/study/test_surroundings.py workflow/test_surroundings.py
 """
 
 #: Files of DENSE's folders that take moments.
 MOMENTS = """
-solver/line/test_stack.py solver/gap/test_equilibration.py verification/test_oracles.py
-workflow/design/test_answer.py workflow/design/test_counting.py workflow/design/test_judging.py
-workflow/design/test_searching.py workflow/design/test_sources.py workflow/design/test_spoken.py
+solver/line/test_stack.py verification/test_oracles.py workflow/design/test_answer.py workflow/design/test_judging.py
 """
 
 

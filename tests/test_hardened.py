@@ -1,14 +1,15 @@
-"""The page loads and sends nothing, CI pins its actions, and tests name programs that may be missing."""
+"""The page sends nothing, CI pins its actions; each test has a layer and names programs that may be missing."""
 
 import ast
 import re
-from pathlib import Path
+import subprocess
+import sys
 
+import pytest
 import yaml
 
-from tests import programs
-
-ROOT = Path(__file__).parents[1]
+from tests import layers, programs
+from workflow.run.provenance import ROOT
 
 
 def test_the_page_may_load_and_send_nothing() -> None:
@@ -40,3 +41,15 @@ def test_no_test_starts_an_outside_program_by_its_bare_name() -> None:
         if node.elts[0].value in programs.PACKAGES
     ]
     assert not commands, "name it in a mark, and start programs.path(name)"
+
+
+def test_every_test_has_its_layer_and_every_listed_file_exists(request: pytest.FixtureRequest) -> None:
+    for item in request.session.items:
+        assert len({mark.name for mark in item.iter_markers()} & set(layers.LAYERS)) == 1, item.nodeid
+    names = f"{layers.PROCESSES} {layers.DENSE} {layers.MOMENTS}".split()
+    assert not [name for name in names if not (ROOT / "tests" / name).exists()]
+
+
+def test_a_unit_starts_no_program() -> None:
+    with layers.without_programs(), pytest.raises(AssertionError, match="of the layer 'unit' starts"):
+        subprocess.run([sys.executable, "-V"], check=True)

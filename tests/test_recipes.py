@@ -24,15 +24,13 @@ RECIPES: dict[str, Steps] = {
                 "\n"
                 "def inverse(phases, fraction):\n"
                 "    return fibrous(phases[1], phases[0], 1 - fraction)\n"
-            ),
+            )
         },
         "solver/material/laws.py": {
             "from solver.material.constants": "from solver.material.inverse import inverse\n",
             "_LAWS": '    "inverse": lambda phases, fraction: inverse(phases, fraction),\n',
         },
-        "solver/names.py": {
-            "COMPOSITES": 'COMPOSITES["inverse"] = "volume_fraction"\n',
-        },
+        "solver/names.py": {"COMPOSITES": 'COMPOSITES["inverse"] = "volume_fraction"\n'},
     },
     "a profile of the punch": {
         "solver/halfplane/profile.py": {
@@ -41,26 +39,22 @@ RECIPES: dict[str, Steps] = {
                 "    @classmethod\n"
                 "    def quartic(cls, radius):\n"
                 "        return cls((np.zeros(()), np.zeros(()), np.zeros(()), radius**-3), (True, True))\n"
-            ),
+            )
         },
-        "solver/names.py": {
-            "PROFILES": '    "quartic": Outline(("radius",)),\n',
-        },
+        "solver/names.py": {"PROFILES": '    "quartic": Outline(("radius",)),\n'},
     },
     "a quantity": {
-        "solver/names.py": {
-            "QUANTITIES": '    "contact_skew": Described("1", "leading extent over trailing"),\n',
-        },
+        "solver/names.py": {"QUANTITIES": '    "contact_skew": Described("1", "leading extent over trailing"),\n'},
         "solver/halfplane/quantities.py": {
-            '        "pressure_exponent"': '        "contact_skew": contact.leading / contact.trailing,\n',
+            '        "pressure_exponent"': '        "contact_skew": contact.leading / contact.trailing,\n'
         },
     },
     "a limit": {
         "solver/names.py": {
-            "LIMITS": '    "fatigue_strength": Described("Pa", "peak pressure that it bears for long"),\n',
+            "LIMITS": '    "fatigue_strength": Described("Pa", "peak pressure that it bears for long"),\n'
         },
         "solver/material/materials.toml": {
-            "c11 = 166e9": 'limits.fatigue_strength = {value = 1e8, source = "a test"}\n',
+            "c11 = 166e9": 'limits.fatigue_strength = {value = 1e8, source = "a test"}\n'
         },
     },
     "a risk measure": {
@@ -83,7 +77,7 @@ RECIPES: dict[str, Steps] = {
                 "    @property\n"
                 "    def told(self):\n"
                 '        return f"(mean of the worst {100 * self.share:g} %)"\n'
-            ),
+            )
         },
         "workflow/design/question/risk.py": {
             "    return MeanDeviation(-sign": (
@@ -109,18 +103,14 @@ RECIPES: dict[str, Steps] = {
                 "@measure.register\n"
                 "def _(statistic: statistics.Tail, sign: float) -> RiskMeasure:\n"
                 "    return Shortfall(statistic.share, sign)\n"
-            ),
+            )
         },
     },
     "a figure": {
-        "workflow/report/figures/gaps.py": {
-            "": ("def figure(validation, told):\n    raise NotImplementedError\n"),
-        },
-        "workflow/report/captions/gaps.rst": {
-            "": "Gaps.\n",
-        },
+        "workflow/report/figures/gaps.py": {"": ("def figure(validation, told):\n    raise NotImplementedError\n")},
+        "workflow/report/captions/gaps.rst": {"": "Gaps.\n"},
         "workflow/report/sections.py": {
-            '                    Figure("intervals"': 'Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _slabs),\n',
+            '                    Figure("intervals"': 'Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _slabs),\n'
         },
     },
 }

@@ -1,16 +1,13 @@
 """Named factors of the cases, checked: every name known, every value allowed, dimensions that fit."""
 
-from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
-from typing import Any, TypeAlias
+from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from approximation.arrays import columns_of
-from solver.arrays import is_finite, shown, unmasked
+from solver.arrays import is_finite, nearest, shown, unmasked
 from solver.described import Contact
 from solver.face.electrodes import check_electrodes
 from solver.face.filmfactors import (
@@ -21,10 +18,13 @@ from solver.face.filmfactors import (
     check_films,
     check_gaps,
     check_heat,
+    check_space,
+    in_space,
     refuse,
     settled,
 )
 from solver.face.refusal import FactorError
+from solver.face.rows import CASE, Factors, by_name
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.material.usual import question
@@ -34,6 +34,7 @@ from solver.names import (
     COMPOSITES,
     CONTACTS,
     FACTORS,
+    HEIGHT_MAP,
     MATERIALS,
     OF_A_FILM,
     OF_A_GAP,
@@ -45,77 +46,36 @@ from solver.names import (
 from solver.stack.layers import Stack
 from solver.units import in_si
 
-#: What the entrances of the solver take: values by factor name, or a table of cases.
-Factors: TypeAlias = Mapping[str, Any] | xr.Dataset | pd.DataFrame | Sequence[Mapping[str, Any]]
-
-CASE = "case"  # the dimension of rows
-
-
-def by_name(factors: Factors) -> dict[str, Any]:
-    """Values by factor name; those of a table along the one dimension ``case``."""
-    if isinstance(factors, xr.Dataset):
-        return {str(name): values for name, values in (*factors.data_vars.items(), *factors.coords.items())}
-    if isinstance(factors, Mapping | pd.Series):
-        try:
-            columns = columns_of(factors)
-        except ValueError as error:
-            raise FactorError(str(error)) from None
-        return dict(factors) | (_rows(pd.DataFrame(columns)) if columns else {})
-    if isinstance(factors, np.ndarray) and factors.dtype.names:
-        return _rows(pd.DataFrame(factors))
-    if isinstance(factors, pd.DataFrame):
-        return _rows(factors)
-    if isinstance(factors, Sequence) and factors and all(isinstance(row, Mapping) for row in factors):
-        return _rows(pd.DataFrame([dict(row) for row in factors]))
-    raise FactorError(f"factors: {shown(factors)} is no mapping of factors, no data frame and no list of mappings")
-
-
-def _rows(table: pd.DataFrame) -> dict[str, Any]:
-    """Columns of a table over its rows, which have the labels of its index; several levels of one are numbered."""
-    if not len(table):
-        raise FactorError("factors: a table without rows")
-    if table.columns.has_duplicates:
-        raise FactorError(f"{table.columns[table.columns.duplicated()][0]}: two columns of the table have this name")
-    labels = pd.RangeIndex(len(table)) if table.index.nlevels > 1 else table.index
-    return {
-        str(name): xr.DataArray(_cells(column), dims=CASE, coords={CASE: labels.to_numpy()})
-        for name, column in table.items()
-    }
-
-
-def _cells(column: pd.Series) -> NDArray[Any]:
-    """Values of a column; a missing number is NaN, any other missing value None."""
-    if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
-        numbers: NDArray[Any] = column.to_numpy(dtype=np.float64, na_value=np.nan)
-        return numbers
-    values = column.to_numpy(dtype=object, copy=True)
-    values[column.isna().to_numpy()] = None
-    return np.asarray(values)
-
-
 _SMALLEST = float(np.finfo(np.float64).tiny)
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
 _OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE, *OF_HEAT}
 _MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
+#: Factors of shapes, and what else only some profiles have.
+_OF_SHAPES = tuple(dict.fromkeys(name for outline in PROFILES.values() for name in outline.takes))
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {
     "charge": "electric", "magnetic_charge": "magnetic", "total_charge": "electric", "total_flux": "magnetic",
 }  # fmt: skip
 
 
-def checked(factors: Factors) -> dict[str, xr.DataArray]:
-    """Factors as arrays with dimensions, every name known and every value allowed."""
+def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyType({})) -> dict[str, xr.DataArray]:
+    """Factors as arrays with dimensions, every name known and every value allowed.
+
+    Cut crystals among a user's materials stand in place of their names, since they decide the kind of a contact.
+    """
     values_of = by_name(factors)
-    known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
+    known = (*MATERIALS, *CHOICES, *FACTORS, BODY, HEIGHT_MAP)
     arrays: dict[str, xr.DataArray] = {}
     for name, value in values_of.items():
         if name not in known:
             if isinstance(factors, xr.Dataset) and name in factors.dims:
                 continue  # an index of cases, not a factor
-            near = get_close_matches(str(name), known, 1, 0.5)
-            hint = f"did you mean {near[0]!r}? " if near else ""
+            near = nearest(name, known)
+            hint = f"did you mean {near!r}? " if near else ""
             raise FactorError(f"{name}: unknown factor; {hint}known are {', '.join(known)}")
         array = _array(str(name), value)
+        if name in MATERIALS:
+            array = _with_cuts(array, materials)
         if name in FACTORS:
             _check_modulus(str(name), array)
             array = _number(str(name), _in_si(str(name), array))
@@ -135,7 +95,19 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
         raise FactorError(f"factors: dimensions do not fit each other: {str(error).splitlines()[0]}") from error
     _check_charges(arrays)
     check_elasticity(arrays, "punch")
-    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS else arrays
+    check_space(arrays)
+    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS or np.any(in_space(arrays)) else arrays
+
+
+def _with_cuts(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
+    """Materials with cut crystals of the user in place of their names."""
+    cut = {name: material for name, material in materials.items() if not material.axial}
+    if not cut or array.dtype.kind not in "OU":
+        return array
+    cells = np.empty(array.shape, dtype=object)
+    for place, value in np.ndenumerate(array.values):
+        cells[place] = cut.get(str(value), value) if isinstance(value, str) else value
+    return array.copy(data=cells)
 
 
 def _with_layers(arrays: dict[str, xr.DataArray]) -> dict[str, xr.DataArray]:
@@ -189,7 +161,7 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
     outlines = list(takes.values()) or [PROFILES["cylinder"]]  # a profile of one's own is pressed along a line
     _check_contacts(arrays, {outline.contact for outline in outlines}, ", ".join(profiles) or "given")
     taken = {name for outline in takes.values() for name in outline.takes}
-    for name in ("radius", "width", "slope", "moment", "corner", "exponent", "coefficient"):
+    for name in _OF_SHAPES:
         if name in arrays and name not in taken:
             raise FactorError(f"{name}: the profile {', '.join(profiles) or 'given'} has none")
     if "moment" in arrays and "slope" in arrays and "flat" in profiles:
@@ -232,9 +204,9 @@ def _array(name: str, value: object) -> xr.DataArray:
     """A scalar without dimension, a plain sequence as a dimension named after its factor."""
     if isinstance(value, xr.DataArray):
         return value.reset_coords(drop=True)
-    if isinstance(value, Material | Profile | Stack):
+    if isinstance(value, Material | Profile | Stack) or (name == HEIGHT_MAP and np.ndim(value) > 1):
         values = np.empty((), object)
-        values[()] = value
+        values[()] = value  # of a map all heights
     else:
         try:
             value = unmasked(value)
@@ -293,13 +265,10 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
 
 
 def _of_row(array: xr.DataArray, wrong: NDArray[np.bool_]) -> str:
-    """Words on the first wrong row of a table with labels, and what to do with rows of several kinds."""
+    """Words on the first wrong row of a table with labels."""
     if array.dims != (CASE,) or CASE not in array.coords:
         return ""
-    row = int(wrong.argmax())
-    mixed = np.isnan(array.values[row]) and not np.isnan(array.values).all()
-    apart = "; rows without it are another kind of case: solve each kind in a call of its own" if mixed else ""
-    return f" (row {array[CASE].values[row]}){apart}"
+    return f" (row {array[CASE].values[int(wrong.argmax())]})"
 
 
 def _choice(name: str, array: xr.DataArray, allowed: tuple[str | None, ...]) -> None:

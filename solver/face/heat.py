@@ -1,7 +1,7 @@
 """Quantities of the heat that a touch brings to films, from solved contacts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -148,6 +148,15 @@ class _Touches:
         return touch_step(stack.top.material, thermal, 1.0, f"the punch {which}")
 
 
+def stack_of(
+    case: Mapping[str, Any],
+    materials: Mapping[str, Material] = MappingProxyType({}),
+    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
+) -> Stack:
+    """Layers of a film of single factors; HeatError for a graded film and for a base by its modulus."""
+    return _Touches(materials, phases).stack(case)
+
+
 def responses(
     case: Mapping[str, Any],
     solved: xr.Dataset,
@@ -167,6 +176,31 @@ def responses(
     spot, share = _spot({**case, **contact}), touches.share(case, stack)
     charges = [heated.charges([spot], time)[0] for time in times]
     return share * np.array(charges), heated.uniform * spot.area
+
+
+def widened(
+    case: Mapping[str, Any],
+    solved: xr.Dataset,
+    materials: Mapping[str, Material] = MappingProxyType({}),
+    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
+) -> tuple[float, float]:
+    """Width that a surface without loss adds to the warm spot of one solved film [m], and the charge it adds over 1.
+
+    Beside a warm half-line an insulated surface has the temperature erfc(sqrt(q x)), q^2 = s/diffusivity (A.
+    Sommerfeld, Math. Ann. 47 (1896) 317). Its area 1/2q is sqrt(diffusivity time/pi) in time, with the diffusivity of
+    the layer which heat has reached. A patch collects the heat of a spot as wide, an electrode without end that of the
+    edge's length times the width.
+    """
+    touches = _Touches(materials, phases)
+    contact = {name: float(solved[name].squeeze()) for name in _CONTACT if name in solved}
+    heated = HeatedStack.of(touches.stack(case), None if "collector" not in case else int(case["collector"]))
+    layers, time, spot = heated.conduction, float(case["hold"]), _spot({**case, **contact})
+    widths = np.sqrt(layers.conductivity / layers.capacity * time / np.pi)
+    width = float(widths[np.argmax(widths <= np.append(np.cumsum(layers.thickness), np.inf))])
+    if spot.patch is None:
+        return width, (2 if spot.shape == "disc" else 1) * width / spot.half_width
+    wide = replace(spot, half_width=spot.half_width + width)
+    return width, float(heated.charges([wide], time)[0] / heated.charges([spot], time)[0] - 1)
 
 
 def _spot(case: Mapping[str, Any]) -> Spot:

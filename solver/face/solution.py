@@ -3,7 +3,9 @@
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
+from itertools import product
 from math import prod
 from types import MappingProxyType
 from typing import cast
@@ -12,12 +14,13 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array, BoolArray, unmasked
+from solver.body import Touch
 from solver.curves import REGIONS, SIZES, described
-from solver.described import Contact
 from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.factors import Factors, checked
+from solver.face.factors import checked
 from solver.face.refusal import FactorError, SmallStrainWarning
+from solver.face.rows import Factors, of_kinds, solved_by_kind
 from solver.face.strain import Excess, excesses, sentence
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
@@ -25,7 +28,7 @@ from solver.names import ALL_PEAKS, ALL_QUANTITIES, OF_HEAT
 
 #: Module and class by contact, by layers of the body, and by charge in the air around the contact. A module is imported
 #: with the first case of its kind: cases on a half-plane never load the films.
-_BODIES: dict[tuple[Contact, bool, bool], tuple[str, str]] = {
+_BODIES: dict[tuple[Touch, bool, bool], tuple[str, str]] = {
     ("line", False, False): ("halfplane", "OnHalfPlane"),
     ("line", True, False): ("film", "OnFilm"),
     ("line", False, True): ("air", "HalfPlaneInAir"),
@@ -34,6 +37,7 @@ _BODIES: dict[tuple[Contact, bool, bool], tuple[str, str]] = {
     ("point", True, False): ("pointfilm", "OnPointFilm"),
     ("point", False, True): ("airpoint", "HalfSpaceInAir"),
     ("point", True, True): ("airpoint", "PointFilmInAir"),
+    **dict.fromkeys(product(("space",), (False, True), (False, True)), ("surface", "OnSurface")),
 }
 
 
@@ -55,9 +59,11 @@ def solve(
         named after their factor; dimensions broadcast, so sequences span the full factorial. A table spans none: every
         row of a ``pandas.DataFrame``, of the ``pandas.Series`` in a mapping, which share an index, and every mapping of
         a list is one case, along the one dimension ``case`` with the labels of the index. A cell that is masked, NA or
-        None is NaN. ``load`` must be given, what the ``profile`` needs (default ``cylinder``: ``radius``; see
-        ``solver.names.PROFILES``; or a :class:`Profile` of one's own), and either ``material`` (a name or
-        :class:`Material`) or the fraction of a composite (``composite``, default ``fibrous``; see
+        None is NaN. A heading may have a unit, as ``radius [mm]``. Rows of several kinds (lines and points, materials
+        and composites) are solved kind by kind; cells that a kind has no use for are empty, and a row is NaN in the
+        quantities of other kinds. ``load`` must be given, what the ``profile`` needs (default ``cylinder``:
+        ``radius``; see ``solver.names.PROFILES``; or a :class:`Profile` of one's own), and either ``material`` (a name
+        or :class:`Material`) or the fraction of a composite (``composite``, default ``fibrous``; see
         ``solver.names.COMPOSITES``). The rest default to 0 (``datum``: 1 m; ``electric`` and ``magnetic``: conducting).
         A case with a ``thickness`` is a film on its ``base``, graded with a ``base_volume_fraction``, see
         ``solver.names.OF_A_FILM``; NaN and empty names mean that a case has none. A film that something warm
@@ -119,7 +125,10 @@ def solve(
     >>> dict(solve([roller | {"load": 1e4}, roller | {"load": 4e4}]).sizes)
     {'case': 2}
     """
-    arrays = checked(factors)
+    if parts := of_kinds(factors):
+        alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks)
+        return solved_by_kind(parts, lambda part: alike(part, positions))
+    arrays = checked(factors, materials)
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
@@ -158,7 +167,7 @@ def solve(
 def body_of(cases: Cases) -> Body:
     """The body of cases of one kind."""
     kind = cases.kind
-    module, name = _BODIES[kind.contact, kind.layered, kind.air]
+    module, name = _BODIES[kind.touch, kind.layered, kind.air]
     solved_by = cast(Callable[[Cases], Body], getattr(import_module(f"solver.face.{module}"), name))
     return solved_by(cases)
 
@@ -178,7 +187,8 @@ def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str
     """Surface fields at positions; at an edge they are 0 where they tend to it from both sides, else NaN."""
     edge = np.abs(X) == 1
     axis = {"position": xr.Variable("position", _without_edges_of(X))}
-    result = cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
+    hollow = cases.kind.space  # no field beyond the window that was solved
+    result = cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis, hollow=hollow)
     if not np.any(edge):
         return result
     leading, trailing = cases.smooth_edges
@@ -262,7 +272,10 @@ def solve_interior(
     >>> round(float(solve_interior(film, [0.0], [-1.0], fields=["stress_yy"])["stress_yy"].squeeze()) / 1e6, 3)
     -221.335
     """
-    cases = Cases(checked(factors), materials, phases)
+    if parts := of_kinds(factors):
+        alike = partial(solve_interior, fields=fields, materials=materials, phases=phases)
+        return solved_by_kind(parts, lambda part: alike(part, x, y))
+    cases = Cases(checked(factors, materials), materials, phases)
     grid_x, grid_y = _grid(x, y)
     for name in fields or ():
         if name not in EVERY_INTERIOR:
@@ -353,7 +366,9 @@ def solve_curves(
     >>> bool(abs(largest / solver.solve(case, peaks=True)["peak_von_mises"] - 1) < 0.01)
     True
     """
-    cases = Cases(checked(factors), materials, phases)
+    if parts := of_kinds(factors):
+        return solved_by_kind(parts, lambda part: solve_curves(part, regions, materials=materials, phases=phases))
+    cases = Cases(checked(factors, materials), materials, phases)
     for name in regions:
         if name not in REGIONS:
             raise FactorError(f"regions: {name!r} is not one of {', '.join(REGIONS)}")

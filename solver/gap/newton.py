@@ -456,6 +456,7 @@ class Settled(Generic[_State]):
             right[:, _CLOSING + charge, 1 + charge] = 1.0
         chords = list(self.chords)
         result, last = np.stack([chord.causes[:, :count] for chord in chords]), np.ones(len(chords))
+        done = np.zeros(len(chords), dtype=bool)
         for _ in range(_REFINEMENTS):
             missing = right - states.derivative(result)
             change = _solved(chords, missing)
@@ -466,7 +467,9 @@ class Settled(Generic[_State]):
                     chords[case] = chord
                     result[case], change[case] = chord.causes[:, :count], 0.0
             result += change
-            if not slow.size and np.all((size**2 < _TANGENT_CLOSE * last) | (size > last / 2)):
+            done |= (size**2 < _TANGENT_CLOSE * last) | ((size > last / 2) & (size < _STALLED))
+            done[slow] = False
+            if np.all(done):
                 break
             last = np.where(np.isin(np.arange(len(chords)), slow), 1.0, size)
         return result * states.by_load[0][:, None]

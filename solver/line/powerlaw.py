@@ -29,6 +29,7 @@ def material_from(constants: Constants, name: str) -> Material:
 
 def constants_of(material: Material) -> Constants:
     """The constants of a material without case axes."""
+    material.require_axial()
     values = {key: float(getattr(material, key)) for key in UNITS}
     known = (None if np.isnan(value) else value for value in values.values())
     return (*known, float(material.conductor))

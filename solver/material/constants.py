@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, is_finite, unmasked
+from solver.material.cuts import canonical, generalised_stiffness
 from solver.material.datasheet import ENTRIES, converted, meant
 from solver.material.evidence import SECTIONS, Alternative, Sourced, read_alternatives, read_sourced, with_unit
 from solver.material.usual import question, questions
@@ -28,8 +29,13 @@ UNITS: dict[str, str] = {
     "rho": "kg m-3",
 }
 
+#: Unit of each constant that only crystals of the trigonal classes 3m (c14, e22) and 32 (c14, e11, e14) have.
+TRIGONAL: dict[str, str] = {"c14": "Pa", **dict.fromkeys(("e11", "e14", "e22"), "C m-2")}
+
+_ALL_UNITS = UNITS | TRIGONAL
+
 #: Every constant: of a material that is computed from others, or without dimension.
-ANY_SIZE = frozenset(UNITS)
+ANY_SIZE = frozenset(_ALL_UNITS)
 
 _MU11_HINT = (
     "published BaTiO3-CoFe2O4 tables carry mu11 = -590e-6 for CoFe2O4, a wrong sign: "
@@ -68,6 +74,11 @@ class Material:
         Mass density [kg/m3]; NaN where unknown. Only a moving punch needs it.
     conductor
         Whether it is a metal: one potential inside, no electric field; its permittivity has no part.
+    c14, e11, e14, e22
+        Constants of the trigonal classes 3m and 32, [Pa] and [C/m2]; only contacts in space take them into account.
+    cut
+        Orientation of the surface in the crystal, as ``"36Y"``, ``"tilt 10 deg"``, three Euler angles in degrees or
+        the rows of a rotation (see ``solver/material/cuts.py``); empty: Z, the poling along the normal.
     name, source, note
         What it is, where the constants come from, what is disputed about them.
     limits
@@ -111,6 +122,11 @@ class Material:
     c12: Array = field(default_factory=lambda: np.array(np.nan))
     rho: Array = field(default_factory=lambda: np.array(np.nan))
     conductor: BoolArray = field(default_factory=lambda: np.array(False))
+    c14: Array = field(default_factory=lambda: np.array(0.0))
+    e11: Array = field(default_factory=lambda: np.array(0.0))
+    e14: Array = field(default_factory=lambda: np.array(0.0))
+    e22: Array = field(default_factory=lambda: np.array(0.0))
+    cut: str = ""
     name: str = "material"
     source: str = ""
     note: str = ""
@@ -120,13 +136,17 @@ class Material:
     any_size: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        for name in UNITS:
+        for name in _ALL_UNITS:
             value: Any = getattr(self, name)
             if isinstance(value, str):
                 value = _read(self.name, name, value)
                 object.__setattr__(self, "any_size", self.any_size | {name})
             object.__setattr__(self, name, np.asarray(unmasked(value), dtype=np.float64))
         object.__setattr__(self, "conductor", np.asarray(self.conductor, dtype=np.bool_))
+        try:
+            object.__setattr__(self, "cut", canonical(self.cut) if np.size(self.cut) > 1 or self.cut else "")
+        except ValueError as error:
+            raise MaterialError(f"{self.name}: {error}") from None
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, object]) -> Self:
@@ -167,19 +187,23 @@ class Material:
         for key, value in mapping.items():
             if key in (*SECTIONS, "alternatives"):
                 try:
-                    evidence[key] = read_sourced(key, value) if key in SECTIONS else read_alternatives(value, UNITS)
+                    evidence[key] = (
+                        read_sourced(key, value) if key in SECTIONS else read_alternatives(value, _ALL_UNITS)
+                    )
                 except ValueError as error:
                     raise MaterialError(f"{label}: {error}") from None
             elif key == "conductor":
                 if not isinstance(value, bool):
                     raise MaterialError(f"{label}: {key}: {value!r} is not true or false")
-            elif key not in UNITS:
+            elif key == "cut":
+                continue  # checked with the others
+            elif key not in _ALL_UNITS:
                 if not isinstance(value, str):
                     raise MaterialError(f"{label}: {key}: {value!r} is not a text")
             elif isinstance(value, str):
                 _read(label, key, value)
             elif not is_finite(value):
-                raise MaterialError(f"{label}: {key}: {value!r} is not a finite number [{UNITS[key]}]")
+                raise MaterialError(f"{label}: {key}: {value!r} is not a finite number [{_ALL_UNITS[key]}]")
         missing = [key for key in ("c11", "c13", "c33", "c44") if key not in mapping]
         if missing:
             raise MaterialError(
@@ -237,9 +261,32 @@ class Material:
         return material
 
     @property
+    def axial(self) -> bool:
+        """True where contacts along a line and at a point can use it: poled along the normal, and no cut.
+
+        Of a crystal of class 3m they use the transversely isotropic part; one of class 32 has none that couples.
+        """
+        return not self.cut and not (np.any(self.e11) or np.any(self.e14))
+
+    def require_axial(self) -> None:
+        """Refuse a crystal that only contacts in space can use.
+
+        Raises
+        ------
+        MaterialError
+            A cut, or a crystal of class 32.
+        """
+        if not self.axial:
+            kind = f"the cut {self.cut}" if self.cut else "a crystal of class 32 (e11, e14)"
+            raise MaterialError(
+                f"{self.name}: {kind} is solved for contacts in space alone: profile ellipsoid, roller, map, sphere, "
+                "cone or disc, on its own or as a film"
+            )
+
+    @property
     def shape(self) -> tuple[int, ...]:
         """Case axes of the constants, broadcast."""
-        return np.broadcast_shapes(*(getattr(self, name).shape for name in UNITS))
+        return np.broadcast_shapes(*(getattr(self, name).shape for name in _ALL_UNITS))
 
     def renamed(self, name: str, source: str = "") -> Self:
         """The same constants under another name and source.
@@ -282,7 +329,7 @@ class Material:
         The alternatives hold as sets: a mixture of their constants need not be admissible.
         """
         several = (self, *self.variants())
-        values = {name: [float(getattr(variant, name)) for variant in several] for name in UNITS}
+        values = {name: [float(getattr(variant, name)) for variant in several] for name in _ALL_UNITS}
         return {
             name: (min(several_values), max(several_values))
             for name, several_values in values.items()
@@ -291,15 +338,16 @@ class Material:
 
     def plain(self) -> dict[str, Any]:
         """The mapping that :meth:`from_mapping` reads back to the last bit, of a material without case axes."""
-        constants = {name: float(getattr(self, name)) for name in UNITS}
+        constants = {name: float(getattr(self, name)) for name in _ALL_UNITS if name in UNITS or getattr(self, name)}
         return {
-            **with_unit({name: value for name, value in constants.items() if not np.isnan(value)}, UNITS),
+            **with_unit({name: value for name, value in constants.items() if not np.isnan(value)}, _ALL_UNITS),
+            **({"cut": self.cut} if self.cut else {}),
             **({"conductor": True} if self.conductor else {}),  # others are as they were before there were any
             **{name: getattr(self, name) for name in ("name", "source", "note")},
             "limits": {name: limit.plain(name) for name, limit in self.limits.items()},
             **({"thermal": thermal} if (thermal := {k: v.plain(k) for k, v in self.thermal.items()}) else {}),
             "alternatives": [
-                {**with_unit(alternative.constants, UNITS), "source": alternative.source}
+                {**with_unit(alternative.constants, _ALL_UNITS), "source": alternative.source}
                 for alternative in self.alternatives
             ],
         }
@@ -308,9 +356,9 @@ class Material:
         """Table for a notebook: every nonzero constant, as a range if there are cases, and its source."""
         import pandas as pd  # slow to import, and notebooks only
 
-        constants = {name: getattr(self, name) for name in UNITS}
+        constants = {name: getattr(self, name) for name in _ALL_UNITS}
         rows = [
-            (name, " to ".join(f"{end:.6g}" for end in np.unique([value.min(), value.max()])), UNITS[name])
+            (name, " to ".join(f"{end:.6g}" for end in np.unique([value.min(), value.max()])), _ALL_UNITS[name])
             for name, value in constants.items()
             if np.any(value) and not np.all(np.isnan(value))
         ]
@@ -319,6 +367,7 @@ class Material:
 
     def generalised_stiffness(self) -> tuple[Array, Array, Array]:
         """Q, R and T of the Stroh formalism (theory section 2), each (..., 4, 4), rows (u_x, u_y, phi, psi), SI."""
+        self.require_axial()
         zero = np.zeros(())
         Q = _matrix([
             [self.c11, zero, zero, zero],
@@ -340,6 +389,41 @@ class Material:
         ])  # fmt: skip
         return Q, R, T
 
+    def stiffness_tensor(self, cut: str = "") -> Array:
+        """Generalised stiffness of contacts in space, in the axes of the surface (x, y, normal), SI.
+
+        Parameters
+        ----------
+        cut : str, of a material that has none itself
+
+        Returns
+        -------
+        ndarray
+            E[i, J, K, l] of T_iJ = E_iJKl dU_K/dx_l with U = (u, phi, psi) and T = (sigma, D, B); (3, 5, 5, 3).
+
+        Raises
+        ------
+        MaterialError
+            Constants over case axes, no c12, two cuts, or a cut that is unknown.
+
+        Examples
+        --------
+        >>> import solver
+        >>> solver.find("36Y LiNbO3").stiffness_tensor().shape
+        (3, 5, 5, 3)
+        """
+        if self.shape:
+            raise MaterialError(f"{self.name}: constants over cases; a contact in space takes one material")
+        if np.isnan(self.c12):
+            raise MaterialError(f"{self.name}: c12: missing; contacts in space need it [Pa]")
+        if cut and self.cut:
+            raise MaterialError(f"{self.name}: cut: {cut!r} beside the cut of the material, {self.cut}")
+        constants = {name: float(getattr(self, name)) for name in _ALL_UNITS}
+        try:
+            return generalised_stiffness(constants, cut or self.cut)
+        except ValueError as error:
+            raise MaterialError(f"{self.name}: {error}") from None
+
     @np.errstate(all="ignore")  # products beyond double precision compare as infinite
     def check(self) -> None:
         """Refuse an inadmissible material (theory section 7): an energy that is not positive definite.
@@ -349,42 +433,45 @@ class Material:
         MaterialError
             Naming the first constant at fault, its value, the condition and the likely fix.
         """
-        for name in UNITS:
+        for name in _ALL_UNITS:
             value = getattr(self, name)
             if not np.all(np.isfinite(value)) and name not in ("c12", "rho"):
-                raise MaterialError(f"{self.name}: {name}: not a finite number [{UNITS[name]}]")
+                raise MaterialError(f"{self.name}: {name}: not a finite number [{_ALL_UNITS[name]}]")
         for name in ("c11", "c33", "c44", "eps11", "eps33", "mu11", "mu33"):
             hint = f"; {_MU11_HINT}" if name == "mu11" else ""
             self._require(getattr(self, name) > 0, name, f"must be positive{hint}")
         if not np.any(np.isnan(self.rho)):
             self._require(self.rho > 0, "rho", "must be positive")
-        known = {name: value for name in UNITS if not np.all(np.isnan(value := getattr(self, name)))}
-        for complaint in questions(known, UNITS, [name for name in known if name not in self.any_size]).values():
+        known = {name: value for name in _ALL_UNITS if not np.all(np.isnan(value := getattr(self, name)))}
+        for complaint in questions(known, _ALL_UNITS, [name for name in known if name not in self.any_size]).values():
             raise MaterialError(f"{self.name}: {complaint}")
         self._require(self.c13**2 < self.c11 * self.c33, "c13", "needs c13^2 < c11 c33 (positive definite stiffness)")
         if not np.any(np.isnan(self.c12)):
             self._require(abs(self.c12) < self.c11, "c12", "needs |c12| < c11 (positive definite stiffness)")
             in_plane = 2 * self.c13**2 < (self.c11 + self.c12) * self.c33
             self._require(in_plane, "c13", "needs 2 c13^2 < (c11 + c12) c33 (positive definite stiffness)")
+        if np.any(self.c14):
+            shear = self.c14**2 < self.c44 * (self.c11 - self.c12) / 2
+            self._require(shear, "c14", "needs c14^2 < c44 (c11 - c12)/2 (positive definite stiffness), and c12")
         for axis in ("11", "33"):
             eps, g, mu = (getattr(self, name + axis) for name in ("eps", "g", "mu"))
             rule = f"needs g{axis}^2 < eps{axis} mu{axis} (positive definite [[eps, g], [g, mu]])"
             self._require(g**2 < eps * mu, f"g{axis}", rule)
         if np.any(self.conductor):
-            for name in ("e31", "e33", "e15", "g11", "g33"):
+            for name in ("e31", "e33", "e15", "e11", "e14", "e22", "g11", "g33"):
                 self._require(~self.conductor | (getattr(self, name) == 0), name, "must be 0 in a conductor")
 
     def _require(self, holds: BoolArray, constant: str, rule: str) -> None:
         """Raise, with the first offending value, unless the condition holds in every case."""
         if not np.all(holds):
             value = np.broadcast_to(getattr(self, constant), np.shape(holds))[np.logical_not(holds)].flat[0]
-            raise MaterialError(f"{self.name}: {constant} = {value:g} {UNITS[constant]}: {rule}")
+            raise MaterialError(f"{self.name}: {constant} = {value:g} {_ALL_UNITS[constant]}: {rule}")
 
 
 def _read(label: str, constant: str, text: str) -> float:
     """A constant with its unit, or Young's modulus, in SI."""
     try:
-        return in_si(text, UNITS.get(constant, "Pa"))
+        return in_si(text, _ALL_UNITS.get(constant, "Pa"))
     except ValueError as error:
         raise MaterialError(f"{label}: {constant}: {error}") from None
 
@@ -392,6 +479,8 @@ def _read(label: str, constant: str, text: str) -> float:
 def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:
     """The material whose every constant is made of those of some materials; no limits and alternatives."""
     several = tuple(materials)
+    for material in several:
+        material.require_axial()
     constants: dict[str, Any] = {
         c: change(*(getattr(material, c) for material in several)) for c in (*UNITS, "conductor")
     }

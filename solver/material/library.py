@@ -2,13 +2,14 @@
 
 import tomllib
 from collections.abc import Mapping
-from difflib import get_close_matches
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 
-from solver.arrays import shown
+from solver.arrays import nearest, shown
 from solver.material.constants import Material, MaterialError
+from solver.material.cuts import split
 
 
 @cache
@@ -38,7 +39,8 @@ def published() -> Mapping[str, Mapping[str, float]]:
 def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
     """The material of a name.
 
-    ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on.
+    ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on. ``36Y NAME``, ``X NAME`` and
+    ``tilt 10 deg NAME`` are cuts of it (see ``solver/material/cuts.py``).
 
     Parameters
     ----------
@@ -55,14 +57,21 @@ def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Mate
     >>> low, high = find("BaTiO3").spread["eps33"]
     >>> float(find("BaTiO3 (alternative 1)").eps33) == low
     True
+    >>> find("36Y LiNbO3").cut
+    '36Y'
     """
     known = {**materials(), **more}
+    if name not in known and (parts := split(name)):
+        crystal = find(parts[1], more)
+        if crystal.cut:
+            raise MaterialError(f"material: {shown(name)}: {parts[1]} has a cut already: {crystal.cut}")
+        return replace(crystal, cut=parts[0], name=name)
     if name not in known:
         origin = known.get(name.partition(" (alternative ")[0])
         for variant in origin.variants() if origin else ():
             if variant.name == name:
                 return variant
-        near = get_close_matches(name, known, 1, 0.5)
-        hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
+        near = nearest(name, known)
+        hint = f"did you mean {near!r}?" if near else f"known are {', '.join(known)}"
         raise MaterialError(f"material: {shown(name)} is unknown; {hint}")
     return known[name]

@@ -3,12 +3,11 @@
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
 
-from solver.arrays import shown
+from solver.arrays import nearest, shown
 from solver.material.constants import MaterialError
 from solver.material.evidence import Sourced, read_sourced
 
@@ -42,7 +41,7 @@ def find_punch(name: str) -> PunchMaterial:
     """The punch material of this name."""
     known = punches()
     if name not in known:
-        near = get_close_matches(name, known, 1, 0.5)
-        hint = f"did you mean {near[0]!r}? " if near else ""
+        near = nearest(name, known)
+        hint = f"did you mean {near!r}? " if near else ""
         raise MaterialError(f"punch: {shown(name)} is unknown; {hint}known are {RIGID_PUNCH}, {', '.join(known)}")
     return known[name]

@@ -54,8 +54,8 @@ _HEAT_CAPACITY = Usual(1e3, 1e7, "{0:g} MJ/m3/K")
 
 #: Usual sizes of every constant, and of every entry of ``solver.names.LIMITS`` and ``THERMAL``.
 USUAL: dict[str, Usual] = {
-    **dict.fromkeys(("c11", "c12", "c13", "c33", "c44", "young"), _STIFFNESS),
-    **dict.fromkeys(("e31", "e33", "e15"), _PIEZOELECTRIC),
+    **dict.fromkeys(("c11", "c12", "c13", "c14", "c33", "c44", "young"), _STIFFNESS),
+    **dict.fromkeys(("e31", "e33", "e15", "e11", "e14", "e22"), _PIEZOELECTRIC),
     **dict.fromkeys(("f31", "f33", "f15"), _PIEZOMAGNETIC),
     **dict.fromkeys(("eps11", "eps33"), _PERMITTIVITY),
     **dict.fromkeys(("mu11", "mu33"), _PERMEABILITY),

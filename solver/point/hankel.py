@@ -79,8 +79,15 @@ def _ratios(z: Array, highest: int) -> Array:
 _PANEL_COUNT = 14  # per panel; a panel is as long as its distance from the nearest singularity
 _KINKS = 14  # halvings of panels towards the kink of a cone's density at b = 0 and friction's steep end at b = 1
 _PANEL = 8.0  # phase of a panel in b
-#: Depth over a above which rounding spoils the sums: shallower fields are extrapolated from below.
-LEAST = 1e-5
+#: Largest depth over a from which fields are extrapolated to the surface, and its share of the distance to the nearest
+#: singular place: sums over b cancel to their depth, so that rounding grows as its inverse.
+LEAST, _SHARE = 1e-3, 0.003
+_FLOOR = 1e-12  # depth over a at the edge itself
+
+
+def least_depth(distance: float) -> float:
+    """Return the depth over a from which fields at a distance over a from the nearest singular place are summed."""
+    return max(min(LEAST, _SHARE * distance), _FLOOR)
 
 
 @lru_cache

@@ -28,7 +28,7 @@ _PLACES = 4096  # positions along the surface at a time: bounded memory
 _COLUMNS = 1024  # cases at a time: bounded memory
 _ON = 1 + 1e-12  # a depth on an interface belongs to the layer above it
 _DEEP = 4.0  # thickness over a of the layer that replaces a half-space
-_FROM_EDGE, _AT_EDGE = 1e-3, 1e-7  # from an edge, below which depths shrink with the distance; and how far at most
+_LEVELS = np.arange(1.0, 6.0)  # least depths from which fields are extrapolated to the surface
 _FARTHEST = 2000.0  # distance over the thickness of the top layer: bounded time
 
 
@@ -160,9 +160,9 @@ class Inside:
         part, columns = _HalfspacePart(self, tractions, names, potentials), tractions.ratio.size
         out = np.empty((columns, len(names), depth.size, X.size))
         for place, x in enumerate(X.tolist()):
-            least = hankel.LEAST * min(1.0, max(abs(1 - abs(x)) / _FROM_EDGE, _AT_EDGE))
+            least = tractions.least_depth(abs(x))
             shallow = depth < least
-            base = least * np.arange(1, 4) if np.any(shallow) else np.empty(0)
+            base = least * _LEVELS if np.any(shallow) else np.empty(0)
             summed = np.concatenate([base, depth[~shallow]])
             nodes = tractions.nodes(abs(x), float(np.min(summed)))
             densities = tractions.vectors(nodes.b, np.arange(columns))
@@ -170,10 +170,8 @@ class Inside:
             levels = [summed[start : start + step] for start in range(0, summed.size, step)]
             values = np.concatenate([part.at(x, level, nodes, densities) for level in levels], -1)
             out[:, :, ~shallow, place] = values[..., base.size :]
-            if base.size:  # Lagrange's polynomials through 1, 2, 3
-                t = depth[shallow] / least
-                share = np.stack([(t - 2) * (t - 3) / 2, (t - 1) * (3 - t), (t - 1) * (t - 2) / 2], -1)
-                out[:, :, shallow, place] = values[..., : base.size] @ share.T
+            if base.size:
+                out[:, :, shallow, place] = values[..., : base.size] @ _extrapolation(depth[shallow] / least).T
         return out
 
 
@@ -232,6 +230,14 @@ def _applied(rows: Array, states: ComplexArray, integrals: ComplexArray, density
     moments = np.tensordot(integrals, density, (3, 2))  # (n, rate, z, column, channel)
     coefficients = np.einsum("nfs,rsi->nrfi", rows, states)
     return np.asarray(np.einsum("nrfi,nrzci->cfz", coefficients, moments, optimize=True).real)
+
+
+def _extrapolation(depth: Array) -> Array:
+    """Lagrange's polynomials through `_LEVELS` at depths over the least one; (depth, level)."""
+    shares = [
+        np.prod([(depth - other) / (level - other) for other in _LEVELS if other != level], 0) for level in _LEVELS
+    ]
+    return np.stack(shares, -1)
 
 
 def whole(material: Material) -> Inside:

@@ -17,6 +17,7 @@ from solver.point.profile import Shape
 from solver.stack.layers import Stack
 from solver.stack.wavenumbers import wavenumbers
 
+_AT_KINK = 3e-4  # distance over a that counts at a kink itself: a millionth deep, rounding is 1e-8
 _KINK_NODES = 40  # of the integral that a kinked profile adds to the logarithm
 
 
@@ -183,6 +184,11 @@ class Tractions:
         if self.sines is None:
             return plain, None
         return plain, np.concatenate([-self.friction[columns, None, None] * pressing[:, :1], self.sines(b, columns)], 1)
+
+    def least_depth(self, radius: float) -> float:
+        """Depth over a from which fields at a radius over a are extrapolated to the surface."""
+        from_edge = abs(1 - radius)
+        return hankel.least_depth(min(from_edge, max(radius, _AT_KINK)) if self.density.kinked else from_edge)
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
         """Nodes in b for a field point."""

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import xarray as xr
 
@@ -14,8 +14,14 @@ from surrogate.data.inputs import Input
 Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
 
 
-class Posterior(ABC):
-    """Distributions of p outputs over d inputs, asked for at B points in scaled coordinates, (d, B)."""
+class Core(ABC):
+    """A model of p outputs over d inputs, asked at B points in scaled coordinates (d, B), which a file can hold."""
+
+    engine: ClassVar[str]  # name of the kind in files
+    inputs_: tuple[Input, ...]  # of the fitted model
+    outputs_: tuple[str, ...]  # names of its outputs
+    attrs_: dict[str, dict[str, str]]  # `units` and `long_name` of every output
+    cases_: int  # number of cases that it was trained on
 
     @property
     @abstractmethod
@@ -45,25 +51,6 @@ class Posterior(ABC):
         t : ndarray, shape (d, B), scaled coordinates
         weights : ndarray, shape (parts, p), of the parts of the variance
         """
-
-
-class Core(Posterior):
-    """A model with named inputs and outputs, which a file can hold.
-
-    Attributes
-    ----------
-    engine : str, name of the kind in files
-    inputs_ : tuple of Input, of the fitted model
-    outputs_ : tuple of str, names of its outputs
-    attrs_ : dict, `units` and `long_name` of every output
-    cases_ : int, number of cases that it was trained on
-    """
-
-    engine: ClassVar[str]
-    inputs_: tuple[Input, ...]
-    outputs_: tuple[str, ...]
-    attrs_: dict[str, dict[str, str]]
-    cases_: int
 
     @abstractmethod
     def state(self) -> xr.Dataset:
@@ -109,7 +96,3 @@ class Core(Posterior):
         groups : ndarray of int, shape (n,), number of the group of every case; the cases of one share some coordinates
         """
         return errors
-
-    def plain(self) -> dict[str, Any] | None:
-        """Return all that mean, deviation and interval need, as what JSON can hold; None: only Python evaluates it."""
-        return None

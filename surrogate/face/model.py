@@ -271,12 +271,7 @@ class GaussianProcess(Core):
         }
 
         def attrs() -> Attrs:
-            output_attrs = self.attrs_
-            std_names = {
-                name: f"standard deviation of {output_attrs[name].get('long_name', name)}" for name in self.outputs_
-            }
-            stds = {f"{name}_std": {**output_attrs[name], "long_name": std_names[name]} for name in self.outputs_}
-            return {**output_attrs, **stds, **EXTRAPOLATED}
+            return self._worded({"": "", "_std": "standard deviation of "})
 
         return self._labels().dataset(("predict", return_std, extrapolate), named, {**values, **flags}, attrs)
 
@@ -416,6 +411,15 @@ class GaussianProcess(Core):
         """Return the variable `extrapolated`, which marks points outside the box; empty without `extrapolate`."""
         return {"extrapolated": ~self.has_answers(named.X)} if extrapolate else {}
 
+    def _worded(self, suffixes: Mapping[str, str]) -> Attrs:
+        """Attributes of the outputs with suffixes, whose meanings begin with the words of the suffix."""
+        worded = {
+            f"{name}{suffix}": {**attrs, "long_name": words + attrs.get("long_name", name)} if words else attrs
+            for name, attrs in self.attrs_.items()
+            for suffix, words in suffixes.items()
+        }
+        return {**worded, **EXTRAPOLATED}
+
     def _labels(self) -> Labels:
         if self._made_labels is None or self._made_labels.attrs is not self.attrs_:
             self._made_labels = Labels(self.attrs_)
@@ -493,16 +497,7 @@ class GaussianProcess(Core):
         values = {f"{name}_{end}": end_values[end][k] for k, name in enumerate(self.outputs_) for end in end_values}
 
         def attrs() -> Attrs:
-            description = f"end of the {100 * level:g} % interval of"
-            end_attrs = {
-                f"{name}_{end}": {
-                    **output_attrs,
-                    "long_name": f"{end} {description} {output_attrs.get('long_name', name)}",
-                }
-                for name, output_attrs in self.attrs_.items()
-                for end in end_values
-            }
-            return {**end_attrs, **EXTRAPOLATED}
+            return self._worded({f"_{end}": f"{end} end of the {100 * level:g} % interval of " for end in end_values})
 
         return self._labels().dataset(("interval", level, extrapolate), named, values | flags, attrs)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -106,15 +106,3 @@ class Region:
             degrees.astype(np.intp), coefficients, shares[0], shares[1], shares[2], shares[3], places,
             which.astype(np.intp), tuple(map(str, reasons)),
         )  # fmt: skip
-
-    def plain(self) -> dict[str, Any]:
-        """Return the same as plain values."""
-        return {
-            "degree": int(self.degrees.max()),
-            "degrees": self.degrees.tolist(),
-            "coefficients": self.coefficients,
-            "least": self.least,
-            "places": self.places,
-            "which": self.which.tolist(),
-            "reasons": list(self.reasons),
-        }

@@ -88,12 +88,6 @@ class Correction:
             "correction_coefficient": (("part", "correction_term", "output"), self.coefficients),
         }
 
-    def plain(self) -> dict[str, object]:
-        """Return the same as plain values."""
-        return {
-            "levels": list(self.levels), "degrees": self.indices.tolist(), "coefficients": self.coefficients,
-        }  # fmt: skip
-
     @classmethod
     def restore(cls, stored: xr.Dataset, levels: tuple[int, ...], outputs: int) -> Self | None:
         """Return the correction in a file, None where it has none."""

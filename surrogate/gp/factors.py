@@ -105,17 +105,6 @@ class Factor:
         mean[rows] -= 2 * self.damping[rows, None] * (S[n] * T[mirror] + T[n] * S[mirror])
         return Features(mean, prior, self.unknown @ (S[n] * T[:n] + T[n] * S[:n]) ** 2)
 
-    def plain(self) -> dict[str, object]:
-        """Return what `features` needs, as plain lists."""
-        return {
-            "levels": self.levels,
-            "affine": self.affine,
-            "decay": self.decay.tolist(),
-            "damping": self.damping.tolist(),
-            "unknown": self.unknown.tolist(),
-            "firstDamped": self._first_damped,
-        }
-
     def _mean(self, T: Array, modes: int) -> Array:
         first, n = self._first_damped, self.levels
         if first >= modes:

@@ -19,13 +19,11 @@ from typing_extensions import override
 from approximation.arrays import Array, Indices
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
 from surrogate.data.inputs import Input
-from surrogate.data.packing import rounded
 from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
-from surrogate.face.plain import plain_inputs, plain_outputs
 from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import Factor, Features, cosine_basis
-from surrogate.gp.singlepoint import Process, SinglePoint
+from surrogate.gp.singlepoint import SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 # Largest share of the variation along a factor that its amplitude may claim, and the steps of the first, coarse search.
@@ -105,8 +103,6 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
 
 #: The factor kernel, as files name it.
 KERNEL = "chebyshev"
-# Points of the box at which states of an exported train are measured.
-DRAWS = 256
 # As good as the end of a decay: an affine factor has no parameter to tell it.
 AFFINE_DECAY = 1e-3
 
@@ -338,28 +334,8 @@ class GridGP(GaussianProcess):
         """Return the short way of one query alone."""
         made_of = self.train_, self.correction_, self.calibration_
         if not all(current is then for current, then in zip(made_of, self._laid_out[0], strict=True)):
-            process = Process(
-                self.inputs_, self.factors_, self.order_, self.train_, self.offset_, self.scale_, self.amplitude_,
-                self._size, self.correction_, self.calibration_,
-            )  # fmt: skip
-            self._laid_out = made_of, SinglePoint(process)
+            self._laid_out = made_of, SinglePoint(self)
         return self._laid_out[1]
-
-    def plain(self) -> dict[str, Any] | None:
-        """Return all that mean, deviation and interval need."""
-        features = self._features(np.random.default_rng(0).uniform(-1, 1, (DRAWS, len(self.order_))).T)
-        return {
-            "inputs": plain_inputs(self.inputs_),
-            "order": list(self.order_),
-            "cores": rounded(self.train_.cores, [features[k].mean for k in self.order_]),
-            "factors": [factor.plain() for factor in self.factors_],
-            "offset": self.offset_,
-            "scale": self.scale_,
-            "correction": None if self.correction_ is None else self.correction_.plain(),
-            "amplitude": self.amplitude_,
-            "variance": self._size,
-            **plain_outputs(self),
-        }
 
     @override
     def slopes(self, t: Array) -> Array:

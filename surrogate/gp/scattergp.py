@@ -1,13 +1,11 @@
 """Gaussian processes on scattered cases: scikit-learn's regressors with the Chebyshev kernel, one an output.
 
-The Chebyshev kernel is the product over inputs of 1 + first_j sum_{m>0} rho_j^(m-1) T_m(x) T_m(y): that of the grid,
-whose sum does not end. With x = cos(a), y = cos(b) the sum is half of Q(a - b) + Q(a + b) with Q(s) = (cos s - rho)/
-(1 - 2 rho cos s + rho^2), by the Poisson kernel (W. Rudin, Real and Complex Analysis (1987), section 5.24).
+The Chebyshev kernel is the product over inputs of 1 + first_j sum_{0<m<=DEGREE} rho_j^(m-1) T_m(x) T_m(y): that of the
+grid, whose sum ends with its levels.
 """
 
 import warnings
 from collections.abc import Callable, Sequence
-from itertools import accumulate
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -19,12 +17,15 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, Hyperparameter, Kernel, WhiteKernel
 from typing_extensions import override
 
+from approximation import products
 from approximation.arrays import Array, Indices
 from surrogate.data.factorial import output_names, text_attrs
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Normal
 
+# Highest degree of the kernel: an input that needs more is left to the noise.
+DEGREE = 128
 # Ranges of the parameters: coefficient of T_1 relative to that of the constant, and decay.
 FIRST, RHO = (1e-6, 1e3), (1e-3, 0.97)
 VARIANCES, NOISE = (1e-6, 1e6), (1e-12, 1e1)  # of signal and noise, relative to the output's variance
@@ -51,51 +52,47 @@ class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
 
     def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
         """Return the kernel between points (n, d) and (m, d), and its slopes by the logarithms of the parameters."""
-        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
-        parts = [sums(x, y, decay) for x, y, decay in zip(X.T, (X if Y is None else Y).T, rho, strict=True)]
-        factors = [1 + size * part[0] for size, part in zip(first, parts, strict=True)]
-        kernel = np.prod(factors, axis=0)
+        first, decay, by_rho = self._weights()
+        left, right = _polynomials(X), _polynomials(X if Y is None else Y).swapaxes(1, 2)
+        sums = first * (left @ (decay * right))
+        kernel = np.prod(1 + sums, axis=0)
         if not eval_gradient:
             return kernel
-        d = len(factors)
-        slopes = np.empty((*kernel.shape, 2 * d))
-        for j, ((value, slope), others) in enumerate(zip(parts, _products(factors), strict=True)):
-            slopes[..., j] = first[j] * others * value
-            slopes[..., d + j] = first[j] * rho[j] * others * slope
-        return kernel, slopes
+        others = _others(1 + sums)
+        slopes = np.concatenate([others * sums, others * first * (left @ (by_rho * right))])
+        return kernel, np.moveaxis(slopes, 0, -1)
 
     def diag(self, X: Array) -> Array:
         """Return the kernel of every point with itself, (n,)."""
-        return np.asarray(np.prod(self._diagonals(X.T), axis=0))
+        return np.asarray(np.prod(self._diagonals(X), axis=0))
 
     def is_stationary(self) -> bool:
         """Return False: the kernel depends on position."""
         return False
 
-    def slopes(self, X: Array, Y: Array) -> list[Array]:
-        """Return the derivatives of the kernel by each coordinate of X, (n, m) each."""
-        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
-        factors = [1 + first[j] * sums(X[:, j], Y[:, j], rho[j])[0] for j in range(X.shape[1])]
-        return [
-            first[j]
-            * sum_slopes(X[:, j], Y[:, j], rho[j])
-            * np.prod([f for k, f in enumerate(factors) if k != j], axis=0)
-            for j in range(X.shape[1])
-        ]
+    def slopes(self, X: Array, Y: Array) -> Array:
+        """Return the derivatives of the kernel by each coordinate of X, (d, n, m)."""
+        first, decay, _ = self._weights()
+        right = decay * _polynomials(Y).swapaxes(1, 2)
+        slopes = _derivatives(X) * (np.abs(X.T) <= 1)[..., None]
+        return np.asarray(_others(1 + first * (_polynomials(X) @ right)) * first * (slopes @ right))
 
     def steepness(self, X: Array) -> Array:
         """Return the prior variances of the derivatives by each coordinate at points (n, d): (d, n)."""
-        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
-        others = _products(self._diagonals(X.T))
-        return np.stack([first[j] * sum_curvature(x, rho[j]) * others[j] for j, x in enumerate(X.T)])
+        first, decay, _ = self._weights()
+        return np.asarray(_others(self._diagonals(X)) * (first * (_derivatives(X) ** 2 @ decay))[..., 0])
 
-    def _diagonals(self, t: Array) -> list[Array]:
-        first, rho = np.atleast_1d(self.first), np.atleast_1d(self.rho)
-        cosines = 2 * np.clip(t, -1, 1) ** 2 - 1  # of the sum of the angles; that of their difference is one
-        return [
-            1 + size / 2 * ((cosine - decay) / (1 + decay * decay - 2 * decay * cosine) + 1 / (1 - decay))
-            for size, decay, cosine in zip(first, rho, cosines, strict=True)
-        ]
+    def _weights(self) -> tuple[Array, Array, Array]:
+        """Coefficients of T_1, (d, 1, 1), decays of the others, and rho times the slopes of these, (d, degree, 1)."""
+        first, rho = (np.reshape(part, (-1, 1, 1)) for part in (self.first, self.rho))
+        power = np.arange(DEGREE)[:, None]
+        decay = rho**power
+        return first, decay, power * decay
+
+    def _diagonals(self, X: Array) -> Array:
+        """Factors of the kernel of every point (n, d) with itself, (d, n)."""
+        first, decay, _ = self._weights()
+        return np.asarray(1 + (first * (_polynomials(X) ** 2 @ decay))[..., 0])
 
 
 class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
@@ -127,54 +124,23 @@ def whole(inputs: int, weights: Array | None = None) -> Kernel:
     return ConstantKernel(1.0, VARIANCES) * correlation + Noise(weights=weights)
 
 
-def _products(factors: Sequence[Array]) -> list[Array]:
-    """Return the products of all other factors, one a factor."""
-    before = accumulate(factors[:-1], np.multiply, initial=np.ones(1))
-    after = accumulate(factors[:0:-1], np.multiply, initial=np.ones(1))
-    return [left * right for left, right in zip(before, reversed(list(after)), strict=True)]
+def _others(factors: Array) -> Array:
+    """Return the products of all other factors, one a factor: (d, ...)."""
+    ones = np.ones_like(factors[:1])
+    before = np.multiply.accumulate(np.concatenate([ones, factors[:-1]]))
+    after = np.multiply.accumulate(np.concatenate([ones, factors[:0:-1]]))[::-1]
+    return np.asarray(before * after)
 
 
-def sums(x: Array, y: Array, rho: float) -> tuple[Array, Array]:
-    """Return sum_{m>0} rho^(m-1) T_m(x) T_m(y), (n, m), and its slope by rho."""
-    x, y = np.clip(x, -1, 1), np.clip(y, -1, 1)
-    even = np.multiply.outer(x, y)
-    odd = np.multiply.outer(np.sqrt(1 - x * x), np.sqrt(1 - y * y))
-    value, slope = np.zeros_like(even), np.zeros_like(even)
-    for cosine in (even + odd, even - odd):  # of the difference and of the sum of the angles
-        inverse = 1 / (1 + rho * rho - 2 * rho * cosine)
-        part = (cosine - rho) * inverse
-        value += part / 2
-        slope += part * part - inverse / 2
-    return value, slope
+def _polynomials(X: Array) -> Array:
+    """Return T_1 .. T_DEGREE of the coordinates of points (n, d), beyond [-1, 1] those of its end: (d, n, DEGREE)."""
+    return np.moveaxis(products.polynomials(np.clip(X.T, -1, 1), DEGREE + 1)[1:], 0, -1)
 
 
-def sum_slopes(x: Array, y: Array, rho: float) -> Array:
-    """Return the slopes by x of the sums of `sums`, (n, m); zero beyond [-1, 1]."""
-    below, above, _, by_below, by_above = _quotient(np.clip(x, -1, 1)[:, None], np.clip(y, -1, 1)[None], rho)
-    slope = (by_above / 2 - above / below / 2 * by_below) / below
-    return np.asarray(np.where(np.abs(x)[:, None] <= 1, slope, 0.0))
-
-
-def sum_curvature(x: Array, rho: float) -> Array:
-    """Return the slopes by x and by y of the sums of `sums` at y = x, (n,)."""
-    inside = np.clip(x, -1, 1)
-    below, above, squared, by_below, by_above = _quotient(inside, inside, rho)
-    value = above / below / 2
-    slope = (by_above / 2 - value * by_below) / below
-    by_both = (2 * rho * rho + squared) - by_above / 2 * by_below / below  # the numerator's slope by both, halved
-    curvature = (by_both - slope * by_below + 4 * rho * squared * value + value * by_below**2 / below) / below
-    return np.asarray(curvature)
-
-
-def _quotient(x: Array, y: Array, rho: float) -> tuple[Array, Array, float, Array, Array]:
-    """Return denominator and numerator of twice the sums, 1 + rho^2, and the slopes of both by x."""
-    squared = 1 + rho * rho
-    even, circle = 2 * x * y, x * x + y * y - 1
-    below = squared**2 - 2 * rho * squared * even + 4 * rho * rho * circle
-    above = (squared + 2 * rho * rho) * even - 4 * rho * circle - 2 * rho * squared
-    by_below = -4 * rho * squared * y + 8 * rho * rho * x
-    by_above = 2 * (squared + 2 * rho * rho) * y - 8 * rho * x
-    return below, above, squared, by_below, by_above
+def _derivatives(X: Array) -> Array:
+    """Return the derivatives of the polynomials there, (d, n, DEGREE)."""
+    t = np.clip(X.T, -1, 1)
+    return np.moveaxis(products.derivatives(t, products.polynomials(t, DEGREE + 1))[1:], 0, -1)
 
 
 #: Cases from which the kernel's parameters are learnt, and cases of a process: the cost grows with their cube.

@@ -5,9 +5,9 @@ all factors stand in one vector, and every part of the answer is a gather from i
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from math import log
+from typing import Protocol
 
 import numpy as np
 from scipy.special import eval_chebyt
@@ -20,51 +20,40 @@ from surrogate.gp.tensortrain import TensorTrain
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.guard import SLABS, Guard
 
-# 0 in the lowest slab, 2 in the highest, 1 between: places in the guard of corners.
-_EDGE = np.array([0, *[1] * (SLABS - 2), 2])
 
+class Process(Protocol):
+    """Attributes of `GridGP` from which one query alone is laid out."""
 
-@dataclass(frozen=True)
-class Process:
-    """Parts of a Chebyshev grid process, compared by identity."""
-
-    # One a factor
-    inputs: tuple[Input, ...]
-    factors: tuple[Factor, ...]
-    order: tuple[int, ...]  # Factors in the order of the train
-    train: TensorTrain  # Coefficients of the standardised means
-    # shape (p,); What takes them to the outputs
-    offset: Array
-    scale: Array
-    amplitude: Array  # shape (d, p); Of every factor's kernel
-    size: Array  # shape (p,); Variance of the process in units of the outputs
-    # What held-out cases say; None where there were none
-    correction: Correction | None
-    calibration: Calibration | None
+    inputs_: tuple[Input, ...]
+    factors_: tuple[Factor, ...]
+    order_: tuple[int, ...]
+    train_: TensorTrain
+    offset_: Array
+    scale_: Array
+    amplitude_: Array
+    variance_: Array
+    correction_: Correction | None
+    calibration_: Calibration | None
 
 
 class SinglePoint:
     """Means and standard deviations of all outputs at one point."""
 
-    def __init__(self, process: Process) -> None:
-        self._inputs = [mapping(input_) for input_ in process.inputs]
-        self._offset, self._scale = process.offset, process.scale
-        self._rows = _Rows(process)
-        self._lay_out_mean(process)
-        self._lay_out_variance(process)
-        self._correction = None if process.correction is None else _SingleCorrection(process.correction, self._rows)
-        self._stretch = None if process.calibration is None else _SingleStretch(process.calibration, self._rows)
+    def __init__(self, model: Process) -> None:
+        self._scaled = Scaled(model.inputs_)
+        self._offset, self._scale = model.offset_, model.scale_
+        self._rows = _Rows(model)
+        self._lay_out_mean(model)
+        self._lay_out_variance(model)
+        self._correction = None if model.correction_ is None else _SingleCorrection(model.correction_, self._rows)
+        self._stretch = None if model.calibration_ is None else _SingleStretch(model.calibration_, self._rows)
 
     def __call__(self, point: Sequence[float], with_std: bool) -> tuple[Array, Array | None] | None:
         """Return means and, where wanted, standard deviations, (p,) each; None for a point outside of the box."""
-        t = []
-        for x, (low, high, way, width) in zip(point, self._inputs, strict=True):
-            if not low <= x <= high:
-                return None
-            unit = 2 * way(x) / width - 1
-            t.append(min(max(unit, -1.0), 1.0))
-        scaled = np.array(t)
-        T = self._rows.polynomials(scaled)
+        t = self._scaled(point)
+        if t is None:
+            return None
+        T = self._rows.polynomials(np.array(t))
         features = T[self._mean_rows]
         features -= self._damping * T[self._nodal_rows] * T[self._mirror_rows]
         state = features[self._slices[0]] @ self._cores[0]
@@ -79,13 +68,13 @@ class SinglePoint:
         variance = self._variance(T)
         if self._stretch is None:
             return mean, np.sqrt(variance)
-        return mean, self._stretch(variance, scaled, T)
+        return mean, self._stretch(variance, t, T)
 
-    def _lay_out_mean(self, process: Process) -> None:
+    def _lay_out_mean(self, model: Process) -> None:
         self._cores, self._slices, start = [], [], 0
         mean, mirror, nodal, damping = [], [], [], []
-        for factor, core in zip(process.order, process.train.cores, strict=True):
-            factor_kernel, first = process.factors[factor], self._rows.first[factor]
+        for factor, core in zip(model.order_, model.train_.cores, strict=True):
+            factor_kernel, first = model.factors_[factor], self._rows.first[factor]
             m = np.arange(core.shape[1])
             mean.append(first + m)
             mirror.append(first + np.maximum(factor_kernel.levels - m, 0))
@@ -96,15 +85,15 @@ class SinglePoint:
         self._mean_rows, self._mirror_rows = np.concatenate(mean), np.concatenate(mirror)
         self._nodal_rows, self._damping = np.concatenate(nodal), np.concatenate(damping)
 
-    def _lay_out_variance(self, process: Process) -> None:
-        d = len(process.factors)
+    def _lay_out_variance(self, model: Process) -> None:
+        d = len(model.factors_)
         shares = np.zeros((2 * d, self._rows.count))
-        for k, (factor, first) in enumerate(zip(process.factors, self._rows.first, strict=True)):
+        for k, (factor, first) in enumerate(zip(model.factors_, self._rows.first, strict=True)):
             shares[k, first : first + len(factor.decay)] = factor.decay
             shares[d + k, first : first + len(factor.unknown)] = factor.unknown
-        self._shares, self._amplitude, self._size = shares, process.amplitude, process.size
-        weights = np.ones_like(self._amplitude) if process.calibration is None else process.calibration.weights
-        self._weights = weights * process.size
+        self._shares, self._amplitude = shares, model.amplitude_
+        weights = np.ones_like(self._amplitude) if model.calibration_ is None else model.calibration_.weights
+        self._weights = weights * (model.variance_ * model.scale_**2)
 
     def _variance(self, T: Array) -> Array:
         """Return `gridgp.unit_variance` at one point, with running products in place of the loop."""
@@ -127,15 +116,15 @@ class SinglePoint:
 class _Rows:
     """The polynomials of all factors in one vector, each factor's from T_0 on."""
 
-    def __init__(self, process: Process) -> None:
-        products = [] if process.correction is None else [process.correction.indices]
-        products += [] if process.calibration is None else [process.calibration.trend_degree]
+    def __init__(self, model: Process) -> None:
+        products = [] if model.correction_ is None else [model.correction_.indices]
+        products += [] if model.calibration_ is None else [model.calibration_.trend_degree]
         sizes = [
             1 + max([2 * factor.levels - 1, *(int(degrees[:, k].max()) for degrees in products)])
-            for k, factor in enumerate(process.factors)
+            for k, factor in enumerate(model.factors_)
         ]
         self.first = np.cumsum([0, *sizes[:-1]])
-        self.nodal = self.first + [factor.levels for factor in process.factors]
+        self.nodal = self.first + [factor.levels for factor in model.factors_]
         self.count = sum(sizes)
         self._degree = np.concatenate([np.arange(size) for size in sizes])
         self._factor = np.repeat(np.arange(len(sizes)), sizes)
@@ -163,42 +152,31 @@ class _SingleStretch:
     """Return `Calibration.std` at one point: floor, local scale, guard of slabs and corners."""
 
     def __init__(self, calibration: Calibration, rows: _Rows) -> None:
-        d = len(rows.first)
         self._floor, self._trend, self._range = calibration.floor, calibration.trend, calibration.trend_range
         self._terms = np.ascontiguousarray((rows.first + calibration.trend_degree).T)
-        self._i, self._j = np.array(list(combinations(range(d), 2)), dtype=np.intp).reshape(-1, 2).T
-        guard = calibration.guard
-        self._cells = np.concatenate([part.reshape(-1, part.shape[-1]) for part in (guard.slabs, guard.corners)])
-        self._slabs = SLABS * np.arange(d)
-        self._corners = SLABS * d + 9 * np.arange(len(self._i))
+        self._guard = SingleGuard(calibration.guard)
 
-    def __call__(self, variance: Array, t: Array, T: Array) -> Array:
-        slab = np.minimum(((t + 1) / 2 * SLABS).astype(np.intp), SLABS - 1)
-        edge = _EDGE[slab]
-        cells = np.concatenate((self._slabs + slab, self._corners + 3 * edge[self._i] + edge[self._j]))
+    def __call__(self, variance: Array, t: Sequence[float], T: Array) -> Array:
         scale = np.multiply.reduce(T[self._terms]) @ self._trend
         np.maximum(scale, self._range[0], out=scale)
         np.minimum(scale, self._range[1], out=scale)
-        scale += np.maximum.reduce(self._cells[cells])
+        scale += self._guard(t)
         return np.asarray(np.sqrt(variance + self._floor) * np.exp(scale))
 
 
 class SingleGuard:
     """Return `Guard.at` at one point."""
 
-    def __init__(self, guard: Guard, inputs: Sequence[Input]) -> None:
-        d, outputs = len(inputs), guard.slabs.shape[-1]
+    def __init__(self, guard: Guard) -> None:
+        d, _, outputs = guard.slabs.shape
         pooled = np.zeros(outputs) if guard.pooled is None else guard.pooled
         parts = (guard.slabs.reshape(-1, outputs), guard.corners.reshape(-1, outputs), pooled[None])
         self._cells = np.concatenate(parts)
-        self._inputs = [mapping(input_) for input_ in inputs]
         self._pairs = {pair: SLABS * d + 9 * k for k, pair in enumerate(combinations(range(d), 2))}
 
-    def __call__(self, point: Sequence[float]) -> Array:
-        """Return the guard at a point of the box, (p,)."""
-        slab = []
-        for x, (_, _, way, width) in zip(point, self._inputs, strict=True):
-            slab.append(min(max(int(way(x) / width * SLABS), 0), SLABS - 1))
+    def __call__(self, t: Sequence[float]) -> Array:
+        """Return the guard at scaled coordinates within the box, (p,)."""
+        slab = [min(int((unit + 1) / 2 * SLABS), SLABS - 1) for unit in t]
         cells = [SLABS * k + number for k, number in enumerate(slab)]
         outer = [k for k, number in enumerate(slab) if number in (0, SLABS - 1)]
         if len(outer) > 1:
@@ -208,7 +186,23 @@ class SingleGuard:
         return np.asarray(np.maximum.reduce(self._cells[cells]))
 
 
-def mapping(input_: Input) -> tuple[float, float, Callable[[float], float], float]:
+class Scaled:
+    """Scaled coordinates of one point."""
+
+    def __init__(self, inputs: Sequence[Input]) -> None:
+        self._inputs = [_mapping(input_) for input_ in inputs]
+
+    def __call__(self, point: Sequence[float]) -> list[float] | None:
+        """Return the coordinates, (d,), within -1 to 1; None for a point outside of the box."""
+        t = []
+        for x, (low, high, distance, width) in zip(point, self._inputs, strict=True):
+            if not low <= x <= high:
+                return None
+            t.append(min(max(2 * distance(x) / width - 1, -1.0), 1.0))
+        return t
+
+
+def _mapping(input_: Input) -> tuple[float, float, Callable[[float], float], float]:
     """The ends of an input; on its scale, the distance of a value from the lower end, and that of the upper end."""
     low, high = input_.low, input_.high
     if input_.scale == "log":

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -13,9 +13,8 @@ from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
 from surrogate.data.points import EVEN
 from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
-from surrogate.face.plain import plain_inputs
 from surrogate.gp.gridgp import KERNEL, GridGP
-from surrogate.gp.singlepoint import SingleGuard
+from surrogate.gp.singlepoint import Scaled, SingleGuard
 from surrogate.transforms.groups import Grouping
 from surrogate.transforms.outputs import Scales, Scaling
 from surrogate.transforms.transformed import Transformed
@@ -176,14 +175,6 @@ class GroupedGP(Transformed):
         model.inputs_ = inputs
         return model
 
-    def plain(self) -> dict[str, Any] | None:
-        """Return the plain process over the axes, the inputs, and what takes them to the axes and outputs back."""
-        plain = self.reduced_.plain()
-        if plain is None:
-            return None
-        groups = {name: array.values.tolist() for name, array in self.state().data_vars.items()}
-        return {**plain, "inputs": plain_inputs(self.inputs_), "axes": plain["inputs"], "groups": groups}
-
     # -- answers -------------------------------------------------------------------------------------------------------
     def single(self) -> Single | None:
         """Return the short way of one query alone, where the process over the axes has one."""
@@ -193,23 +184,18 @@ class GroupedGP(Transformed):
         return None if reduced is None else self._laid_out[1]
 
     def _alone(self, reduced: Single) -> Single:
-        ends, axes, scales = (
-            [(input_.low, input_.high) for input_ in self.inputs_],
-            self.grouping.products,
-            self._scales,
-        )
+        scaled, axes, scales = Scaled(self.inputs_), self.grouping.products, self._scales
         outer = None if self.calibration_ is None else self.calibration_.outer
-        guard = None if outer is None else SingleGuard(outer, self.inputs_)
+        guard = None if outer is None else SingleGuard(outer)
 
         def answer(point: Sequence[float], with_std: bool) -> tuple[Array, Array | None] | None:
-            if not all(low <= x <= high for x, (low, high) in zip(point, ends, strict=True)):
-                return None
-            learnt = reduced(axes.at(point), with_std)
-            if learnt is None:
+            t = scaled(point)
+            learnt = None if t is None else reduced(axes.at(point), with_std)
+            if t is None or learnt is None:
                 return None
             mean, std = learnt
             if guard is not None and std is not None:
-                std *= np.exp(guard(point))
+                std *= np.exp(guard(t))
             return scales.at(point, mean, std)
 
         return answer

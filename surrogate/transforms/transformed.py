@@ -15,19 +15,10 @@ class Transformed(GaussianProcess):
 
     A transform gives answers from those of the members, and says which of their outputs stand behind its own. Parts,
     thinner, uncalibrated and stored models follow: those of the members, under the same transform.
-
-    Attributes
-    ----------
-    MEMBERS : tuple of str
-        Names of the members; each is an attribute of that name with an underscore, and a prefix in files.
-    CALIBRATED : tuple of str
-        Those that `calibrate` changes.
-    grouping : Grouping or None
-        The groups of inputs that it stands on, if any.
     """
 
-    CALIBRATED: ClassVar[tuple[str, ...]] = ()
-    grouping: Grouping | None = None
+    CALIBRATED: ClassVar[tuple[str, ...]] = ()  # names of the members that `calibrate` changes
+    grouping: Grouping | None = None  # groups of inputs that it stands on
 
     @override
     @property

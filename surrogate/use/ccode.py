@@ -59,15 +59,7 @@ def printable(text: str) -> str:
 def code(
     name: str, outputs: Sequence[Rounded], arithmetic: type[np.floating[Any]], notes: Sequence[str]
 ) -> dict[str, str]:
-    """Return the texts of NAME.h and NAME.c.
-
-    Parameters
-    ----------
-    name : str, first part of every name in C
-    outputs : sequence of Rounded, of one model
-    arithmetic : float32 or float64
-    notes : sequence of str, lines of the comment on where the files come from
-    """
+    """Return the texts of NAME.h and NAME.c for outputs of one model; notes are lines of the header's comment."""
     context = _Context(name, outputs, arithmetic).values
     comment = ["A surrogate of meecontact in C89: no allocation, no state, nothing but math.h.", *notes, ""]
     comment += [

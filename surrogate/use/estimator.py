@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
+from math import prod
 from typing import Literal, Self, get_args, overload
 
 import numpy as np
@@ -234,14 +235,14 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         return ScatterGP(self.inputs, outputs, self.nugget).fit(data, case_weights)
 
 
-def _places(columns: Array, levels: Sequence[Array]) -> Indices | None:
-    """The place of every case in the full product of the levels, (n,); None unless every combination is there once."""
+def _places(columns: Array, levels: Sequence[Array], most_missing: float = 0.0) -> Indices | None:
+    """The place of every case in the full product of the levels, (n,); None if one stands twice or too many lack."""
     sizes = tuple(len(values) for values in levels)
-    if int(np.prod([float(size) for size in sizes])) != len(columns):
+    if not 0 <= prod(sizes) - len(columns) <= most_missing:
         return None
     indices = [np.searchsorted(values, column) for values, column in zip(levels, columns.T, strict=True)]
     places: Indices = np.ravel_multi_index(indices, sizes)
-    return places if (np.bincount(places, minlength=len(columns)) == 1).all() else None
+    return places if len(np.unique(places)) == len(columns) else None
 
 
 def _once(columns: Array, values: Array, weights: Array) -> tuple[Array, Array, Array]:
@@ -279,16 +280,14 @@ def _shift(levels: Array) -> float:
 def _some_places(columns: Array, levels: Sequence[Array]) -> Indices | None:
     """The places of cases that are a factorial but for a few, which a warning tells; None unless they are such."""
     sizes = tuple(len(values) for values in levels)
-    whole = float(np.prod([float(size) for size in sizes]))
-    few = min((1 - _NEARLY) * whole, MOST)
-    if len(sizes) == 1 or min(sizes) < 3 or not 0 < whole - len(columns) <= few:
+    whole = prod(sizes)
+    if len(sizes) == 1 or min(sizes) < 3:
         return None
-    indices = [np.searchsorted(values, column) for values, column in zip(levels, columns.T, strict=True)]
-    places: Indices = np.ravel_multi_index(indices, sizes)
-    if len(np.unique(places)) < len(columns):
+    places = _places(columns, levels, min((1 - _NEARLY) * whole, MOST))
+    if places is None:
         return None
     warnings.warn(
-        f"{whole - len(columns):.0f} of the {whole:.0f} combinations of {' x '.join(map(str, sizes))} levels are "
+        f"{whole - len(columns)} of the {whole} combinations of {' x '.join(map(str, sizes))} levels are "
         "missing: the process fills them in",
         UserWarning,
         stacklevel=3,

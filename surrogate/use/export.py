@@ -1,21 +1,163 @@
-"""A model as plain data, for evaluation elsewhere, such as in a browser."""
+"""A model as plain data, for evaluation in a browser: rounded means, and what makes intervals of variances."""
 
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
-from surrogate.data.packing import encoded
-from surrogate.face.model import GaussianProcess
+import numpy as np
+from numpy.typing import NDArray
 
-FORMAT = 4
+from approximation.arrays import Array
+from surrogate.data.inputs import Input
+from surrogate.face.model import GaussianProcess
+from surrogate.face.region import Region
+from surrogate.gp.gridgp import GridGP
+from surrogate.intervals.calibration import Calibration
+from surrogate.intervals.distribution import PROBABILITIES
+from surrogate.transforms.curves.basis import Basis
+from surrogate.transforms.curves.curvegp import CurveGP
+from surrogate.transforms.groupedgp import GroupedGP
+from surrogate.use.rounding import Rounded, fresh_points, grid_of, rounded
+
+FORMAT = 5
+#: Error that the rounding may make, over an output's range: below what a page shows.
+ERROR = 1e-6
+#: Points of the box on which the rounding is tried, and as many fresh ones: a tenth of those of exported code.
+POINTS = 2000
+#: Rounding of fields of curves, over their scales.
+STEP = 1e-7
+# Arrays of the calibration in single precision: logarithms of scales.
+_SINGLE = ("trend", "trend_range", "guard", "corner_guard", "outer_guard", "outer_corner_guard", "outer_pooled_guard")
 
 
 def exported(model: GaussianProcess) -> dict[str, Any] | None:
-    """Return everything that mean, standard deviation and interval need, as what JSON can hold.
-
-    Arrays are ``{"shape": [...], "data": base64 of little-endian float64}``, so that no digit is lost; cores are as
-    :func:`surrogate.data.packing.encoded` has them, which changes a mean by some 1e-10 of a standard deviation.
-    """
-    plain = model.plain()
-    if plain is None:
+    """Return what mean, standard deviation and interval need, as what JSON can hold; None: only Python evaluates it."""
+    smooth = model.smooth_ if isinstance(model, CurveGP) else model
+    if not isinstance(smooth, GridGP | GroupedGP):
         return None
-    region = {} if model.region_ is None else {"region": model.region_.plain()}
-    return {"format": FORMAT, **encoded({**plain, **region})}
+    grid = grid_of(smooth)
+    parts = rounded(smooth, smooth.outputs_, ERROR, np.float64, points=POINTS, absolute=_allowed(model))
+    rows = [smooth.outputs_.index(name) for name in (model.witnesses if isinstance(model, CurveGP) else model.outputs_)]
+    plain: dict[str, Any] = {
+        "format": FORMAT,
+        "inputs": _inputs(model.inputs_),
+        "order": grid.order_,
+        "trains": [_train(part) for part in parts],
+        "factors": [
+            {"levels": factor.levels, "affine": factor.affine, "decay": factor.decay, "unknown": factor.unknown}
+            for factor in grid.factors_
+        ],
+        "amplitude": grid.amplitude_[:, rows],
+        "variance": (grid.variance_ * grid.scale_**2)[rows],
+        **_outputs(model, _rooms(model, parts)),
+    }
+    if isinstance(smooth, GroupedGP):
+        groups = {name: array.values.tolist() for name, array in smooth.state().data_vars.items()}
+        plain |= {"axes": _inputs(grid.inputs_), "groups": groups}
+    if isinstance(model, CurveGP):
+        plain["curves"] = model.links.described() | {"witness": rows}
+        sizes = np.hypot(grid.offset_, grid.scale_)
+        for net, basis in zip(plain["curves"]["nets"], model.bases_, strict=True):
+            net["whole"] = _fields(basis, sizes[net["scores"]])
+    if model.region_ is not None:
+        plain["region"] = _region(model.region_)
+    exact: dict[str, Any] = _encoded(plain)
+    return exact
+
+
+def _allowed(model: GaussianProcess) -> dict[str, float]:
+    """Errors of what curves follow from, in its units: small scores need no digits."""
+    return model.allowed(ERROR) if isinstance(model, CurveGP) else {}
+
+
+def _rooms(model: GaussianProcess, parts: Sequence[Rounded]) -> Array:
+    """Largest error of the rounding of every output, (p,), on fresh points."""
+    if not isinstance(model, CurveGP):
+        return np.array([part.room for part in parts])
+    X = fresh_points(model, POINTS)
+    means = np.concatenate([part.model.all_mean_std(X, False)[0] for part in parts])
+    return np.asarray(np.abs(model.followed(means) - model.all_mean_std(X, False)[0]).max(axis=1))
+
+
+def _inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
+    """Names, ranges, scales, units and meanings."""
+    return [asdict(input_) for input_ in inputs]
+
+
+def _train(part: Rounded) -> dict[str, Any]:
+    """A train over Chebyshev polynomials of one output, its cores one after the other."""
+    cores = part.grid.chebyshev_.cores
+    return {
+        "modes": [core.shape[1] for core in cores],
+        "ranks": [core.shape[2] for core in cores],
+        "numbers": np.concatenate([core.ravel() for core in cores]).astype(part.storage),
+        "offset": float(part.grid.offset_[0]),
+    }
+
+
+def _outputs(model: GaussianProcess, rooms: Array) -> dict[str, Any]:
+    """The outputs, what is learnt of their deviations, and the ends of their intervals in deviations."""
+    learnt, attrs = model.calibration_, model.attrs_
+    lower, upper = np.broadcast_to(model.distribution.ends(model.level_), (2, len(model.outputs_)))
+    arrays = {} if learnt is None else learnt.arrays()
+    arrays |= {name: arrays[name].astype(np.float32) for name in _SINGLE if name in arrays}
+    keys = ("units", "long_name")
+    return {
+        "outputs": [{"name": name, **{key: attrs[name].get(key, "") for key in keys}} for name in model.outputs_],
+        "calibration": {name: part for name, part in arrays.items() if name != "quantile"} or None,
+        "interval": {"level": model.level_, "lower": lower, "upper": upper, "rooms": rooms},
+        **({} if learnt is None or learnt.copula is None else {"together": _together(learnt)}),
+    }
+
+
+def _together(learnt: Calibration) -> dict[str, Any]:
+    """The held-out rows as ranks (m, p), and what makes scores of them: quantiles at probabilities."""
+    ranks = None if learnt.copula is None else learnt.copula.ranks
+    return {"ranks": ranks, "probabilities": PROBABILITIES.tolist(), "quantiles": learnt.distribution.quantiles}
+
+
+def _fields(basis: Basis, sizes: Array) -> dict[str, Any]:
+    """Mean and vectors of curves over the fields' scales, (1 + rank, point, field), row by row in steps of `STEP`.
+
+    sizes: (rank,), of the vectors' scores. A row of large values is in single precision, with step 1.
+    """
+    whole = np.concatenate([basis.mean[None], basis.vectors]).swapaxes(1, 2) / basis.scales
+    rows = []
+    for row, size in zip(whole, [1.0, *np.maximum(sizes, np.finfo(np.float64).tiny).tolist()], strict=True):
+        counts = np.rint(row * (size / STEP))
+        large = bool(np.abs(counts).max() > np.iinfo(np.int16).max)
+        values = row.astype(np.float32) if large else counts.astype(np.int16)
+        rows.append({"step": 1.0 if large else STEP / size, "values": values.ravel()})
+    return {"shape": list(whole.shape), "scales": basis.scales.tolist(), "rows": rows}
+
+
+def _region(region: Region) -> dict[str, Any]:
+    """The part of the box that has answers."""
+    return {
+        "degree": int(region.degrees.max()),
+        "degrees": region.degrees.tolist(),
+        "coefficients": region.coefficients,
+        "least": region.least,
+        "places": region.places,
+        "which": region.which.tolist(),
+        "reasons": list(region.reasons),
+    }
+
+
+def _encoded(plain: Any) -> Any:
+    """Return plain values as what JSON can hold: arrays as :func:`_array` says."""
+    if isinstance(plain, np.ndarray):
+        return _array(plain)
+    if isinstance(plain, Mapping):
+        return {name: _encoded(value) for name, value in plain.items()}
+    return [_encoded(value) for value in plain] if isinstance(plain, list | tuple) else plain
+
+
+def _array(values: NDArray[Any]) -> dict[str, Any]:
+    """An array as its shape, type and base64 of its little-endian bytes; whole numbers are below 32,768."""
+    kind = values.dtype.newbyteorder("<").str
+    if values.dtype.kind in "iu":
+        kind = "<i1" if np.abs(values).max() <= np.iinfo(np.int8).max else "<i2"
+    data = base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode("ascii")
+    return {"shape": list(values.shape), "type": kind[1:], "data": data}

@@ -20,6 +20,8 @@ from surrogate.face.region import Region
 PASSING, MARGIN, FOLDS, MOST_CASES, MOST_TERMS = 0.05, 0.01, 5, 6000, 100
 #: Highest total degree that is tried, cases that a term needs, the ridge, and steps of Newton's iteration.
 _DEGREES, _CASES_A_TERM, _RIDGE, _REGRESSION_STEPS = (1, 2, 3, 4, 6), 4, 1e-4, 60
+#: Logarithm of the odds where all cases of a fold are answered, or refused.
+_CERTAIN = 10.0
 #: Refused cases whose reasons are kept.
 _TOLD = 200
 
@@ -93,24 +95,13 @@ def _loss(score: Array, refused: Flags) -> float:
 
 
 def _fitted(terms: Array, refused: Flags) -> Array:
-    """Coefficients by penalised likelihood; terms (m, n), the constant's is not penalised. Newton, its steps halved."""
-    penalty = np.full(len(terms), _RIDGE)
-    penalty[0] = 1e-3 * _RIDGE
-    sign = np.where(refused, 1.0, -1.0)
+    """Coefficients by penalised likelihood, positive where cases are answered; terms (m, n), the constant first."""
+    from sklearn.linear_model import LogisticRegression  # slow to import
 
-    def cost(weights: Array) -> float:
-        return float(np.logaddexp(0.0, sign * (weights @ terms)).mean() + penalty @ weights**2 / 2)
-
-    fitted = np.zeros(len(terms))
-    least = cost(fitted)
-    for _ in range(_REGRESSION_STEPS):
-        share = 1 / (1 + np.exp(-np.clip(sign * (fitted @ terms), -500, 500)))
-        gradient = terms @ (sign * share) / terms.shape[1] + penalty * fitted
-        hessian = (terms * (share * (1 - share))) @ terms.T / terms.shape[1] + np.diag(penalty)
-        step, length = np.linalg.solve(hessian, gradient), 1.0
-        while (current := cost(fitted - length * step)) > least and length > 1e-4:
-            length /= 2
-        if current >= least - 1e-10:
-            break
-        fitted, least = fitted - length * step, current
-    return fitted
+    if refused.all() or not refused.any():  # nothing tells an edge
+        return np.append(_CERTAIN * (1 if not refused.any() else -1), np.zeros(len(terms) - 1))
+    regression = LogisticRegression(
+        C=1 / (_RIDGE * len(refused)), solver="newton-cholesky", tol=1e-8, max_iter=_REGRESSION_STEPS
+    )
+    fitted = regression.fit(terms[1:].T, ~refused)
+    return np.append(fitted.intercept_, fitted.coef_)

@@ -31,15 +31,9 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)  # of every member: the same model gives the same
 def unit(
     name: str, outputs: Sequence[Rounded], arithmetic: type[np.floating[Any]], notes: Sequence[str], tool: str
 ) -> tuple[bytes, bool]:
-    """Return the bytes of an FMU, and whether a binary for this machine is in it.
+    """Return the bytes of an FMU of outputs of one model, and whether a binary for this machine is in it.
 
-    Parameters
-    ----------
-    name : str, as C allows it
-    outputs : sequence of Rounded, of one model
-    arithmetic : float32 or float64
-    notes : sequence of str, lines of the sources' comment
-    tool : str, name and version of the program
+    name: as C allows it; notes: lines of the sources' comment; tool: name and version of the program.
     """
     texts = code(name, outputs, arithmetic, notes)
     token = "{" + sha256("".join(texts.values()).encode()).hexdigest()[:32] + "}"

@@ -30,43 +30,18 @@ SMALLEST_ERROR, LARGEST_ERROR = 1e-150, 1e150
 
 @dataclass(frozen=True)
 class Estimate:
-    """Posterior of the inferred inputs.
+    """Posterior of k inferred inputs, in their units; NaN where a misfit beyond 1e15 says that nothing fits."""
 
-    Attributes
-    ----------
-    mean, low, high
-        Posterior mean and ends of the central interval of every input, in its units; (k,).
-        NaN where a misfit beyond 1e15 says that nothing fits.
-    misfit
-        Least sum of squared deviations over variances: beyond about 10 for two measurements, model and measurement do
-        not agree anywhere in the box.
-    """
-
-    mean: Array
-    low: Array
+    mean: Array  # shape (k,)
+    low: Array  # shape (k,); ends of the central interval
     high: Array
+    # Least sum of squared deviations over variances: beyond about 10 for two measurements, model and measurement do
+    # not agree anywhere in the box
     misfit: float
 
 
 class Inversion:
-    """Infers inputs of a model from measured outputs.
-
-    Parameters
-    ----------
-    model : GaussianProcess
-        The forward model.
-    infer : sequence of str
-        One to three inputs to infer.
-    measured : sequence of str
-        Outputs that are measured.
-    known : mapping
-        Values of the other inputs.
-
-    Raises
-    ------
-    ValueError
-        An input or output that is unknown, missing or given twice.
-    """
+    """Infers one to three inputs of a model from measured outputs; `known` has the values of all other inputs."""
 
     def __init__(
         self, model: GaussianProcess, infer: Sequence[str], measured: Sequence[str], known: Mapping[str, float]
@@ -89,19 +64,9 @@ class Inversion:
         self._columns = [list(model.outputs_).index(name) for name in measured]
 
     def estimate(self, values: Array, errors: Array, level: float = NOMINAL) -> Estimate:
-        """Return the posterior of the inputs.
+        """Return the posterior of the inputs, with the central interval of a level.
 
-        Parameters
-        ----------
-        values, errors : ndarray, shape (m,)
-            Measured values and standard deviations of their errors, in the outputs' units and order.
-        level : float
-            Probability of the central interval.
-
-        Raises
-        ------
-        ValueError
-            A value that is not finite, an error that is not within `SMALLEST_ERROR` to `LARGEST_ERROR`.
+        values, errors: (m,), measured values and standard deviations of their errors, in the outputs' units and order.
         """
         if np.ma.is_masked(values) or np.ma.is_masked(errors):
             raise ValueError("measured values and errors must not be masked; leave these outputs out")

@@ -1,7 +1,9 @@
 """Surrogates made small: each output's mean as a short tensor train in rounded numbers, to a stated error."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Self, cast
 
 import numpy as np
@@ -14,14 +16,15 @@ from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.correction import Correction
 from surrogate.gp.gridgp import GridGP
-from surrogate.gp.tensortrain import TensorTrain
+from surrogate.gp.tensortrain import TensorTrain, compress
 from surrogate.transforms.boundedgp import BoundedGP
+from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
 
 #: Type of the numbers: float32 or float64.
 Precision = type[np.floating[Any]]
-# Points that lead the rounding, and as many fresh ones that judge it; of a quarter each coordinate is an end.
-POINTS, AT_ENDS = 20_000, 0.25
+# Fresh points that judge the rounding, and share of them that lead it; of a quarter each coordinate is an end.
+POINTS, TRIED, AT_ENDS = 20_000, 0.1, 0.25
 # Errors allowed to the train are tried from this multiple of the error asked for, each so many times the one before.
 FIRST, FINER, TRIALS = 4.0, 0.6, 60
 # Trials without a smaller error after which none is expected.
@@ -59,10 +62,10 @@ class RoundedGP(GridGP):
     def slopes(self, t: Array) -> Array:
         T = [polynomials(t[k], max(2, size)) for k, size in zip(self.order_, self.chebyshev_.modes, strict=True)]
         S = [
-            slopes(t[k], each)[: core.shape[1]]
-            for k, each, core in zip(self.order_, T, self.chebyshev_.cores, strict=True)
+            slopes(t[k], whole)[: core.shape[1]]
+            for k, whole, core in zip(self.order_, T, self.chebyshev_.cores, strict=True)
         ]
-        T = [each[: core.shape[1]] for each, core in zip(T, self.chebyshev_.cores, strict=True)]
+        T = [whole[: core.shape[1]] for whole, core in zip(T, self.chebyshev_.cores, strict=True)]
         return self.chebyshev_.gradient(T, S)[np.argsort(self.order_)]
 
     @override
@@ -101,24 +104,44 @@ class Rounded:
         return cast(RoundedGP, grid_of(self.model))
 
 
-def rounded(model: GaussianProcess, outputs: Sequence[str], error: float, arithmetic: Precision) -> list[Rounded]:
-    """Return outputs of a model, each with as few numbers as the error allows.
+def rounded(
+    model: GaussianProcess,
+    outputs: Sequence[str],
+    error: float,
+    arithmetic: Precision,
+    *,
+    points: int = POINTS,
+    absolute: Mapping[str, float] = MappingProxyType({}),
+) -> list[Rounded]:
+    """Return outputs of a model, each with as few numbers as the error allows, a share of its range or `absolute`."""
+    if isinstance(model, CurveGP) and (largest := [name for name in outputs if name in model.largest]):
+        smooth = ", ".join(name for name in model.outputs_ if name not in model.largest) or "none"
+        raise ValueError(f"{', '.join(largest)}: largest values of curves have no short form; exported are {smooth}")
+    tried, fresh = _points(model, 0, int(TRIED * points)), fresh_points(model, points)
+    parts = []
+    for name in outputs:
+        alone = _alone(model, name)
+        grid_of(alone)
+        exact = alone.all_mean_std(tried, False)[0]
+        size = float(np.ptp(exact)) or float(np.abs(exact).max()) or 1.0
+        allowed = absolute[name] / size if name in absolute else error
+        parts.append(_output(alone, allowed, size, arithmetic, (tried, exact), fresh))
+    return parts
 
-    Parameters
-    ----------
-    model : GaussianProcess
-    outputs : sequence of str
-    error : float, largest error of a mean over the output's range, on fresh points of the box
-    arithmetic : dtype, in which the means are computed: float32 or float64
 
-    Raises
-    ------
-    ValueError
-        A kind of model that has no such form, by its name; an error that the precision does not reach.
-    """
-    grid_of(model)
-    points, fresh = (_points(model, seed) for seed in (0, 1))
-    return [_output(model.only([name]), error, arithmetic, points, fresh) for name in outputs]
+def _alone(model: GaussianProcess, name: str) -> GaussianProcess:
+    """Return the model of one output; of a smooth output beside curves, the process that gives it."""
+    alone = model.only([name])
+    if not (isinstance(alone, CurveGP) and isinstance(alone.smooth_, GridGP)):
+        return alone
+    smooth = copy(alone.smooth_)
+    smooth.calibration_, smooth.level_, smooth.region_ = alone.calibration_, alone.level_, alone.region_
+    return smooth
+
+
+def fresh_points(model: GaussianProcess, count: int) -> Array:
+    """Return the points that judge the rounding, (n, d)."""
+    return _points(model, 1, count)
 
 
 def grid_of(model: GaussianProcess) -> GridGP:
@@ -140,20 +163,25 @@ def _over(model: GaussianProcess, grid: GridGP) -> GaussianProcess:
     return model.over({name: _over(member, grid) for name, member in model.members.items()})
 
 
-def _points(model: GaussianProcess, seed: int) -> Array:
+def _points(model: GaussianProcess, seed: int, count: int) -> Array:
     """Points of the box where the model has answers, (n, d): spread evenly, and at ends of inputs."""
     random = np.random.default_rng(seed)
-    t = random.uniform(-1, 1, (len(model.inputs_), POINTS))
+    t = random.uniform(-1, 1, (len(model.inputs_), count))
     t = np.where(random.uniform(size=t.shape) < AT_ENDS, np.sign(t), t)
     X = physical_points(model.inputs_, t)
     return X[model.has_answers(X)]
 
 
-def _output(model: GaussianProcess, error: float, arithmetic: Precision, points: Array, fresh: Array) -> Rounded:
-    """Round a model of one output."""
-    grid, name = grid_of(model), model.outputs_[0]
-    exact = model.all_mean_std(points, False)[0]
-    size = float(np.ptp(exact)) or float(np.abs(exact).max()) or 1.0
+def _output(
+    model: GaussianProcess,
+    error: float,
+    size: float,
+    arithmetic: Precision,
+    tried: tuple[Array, Array],
+    fresh: Array,
+) -> Rounded:
+    """Round a model of one output of a size, by its exact means at points."""
+    grid, name, (points, exact) = grid_of(model), model.outputs_[0], tried
     learnt = grid.means(_axes(model, points))
     spread = float(np.ptp(learnt)) or 1.0
     storages: list[Precision] = [np.float32] if arithmetic == np.float32 else [np.float32, np.float64]
@@ -205,40 +233,33 @@ def _series(grid: GridGP, negligible: float) -> TensorTrain:
             plain[:, 2 * factor.levels - m] -= core[:, m] * factor.damping[m]
         cores.append(plain)
     cores[-1] = cores[-1] * grid.scale_
-    if grid.correction_ is None:
-        return TensorTrain(tuple(cores))
-    return TensorTrain(tuple(_added(cores, _terms(grid, grid.correction_, negligible))))
+    if grid.correction_ is not None:
+        for others in _terms(grid, grid.correction_, negligible):
+            cores = _added(cores, others)
+    return TensorTrain(tuple(cores))
 
 
-def _terms(grid: GridGP, correction: Correction, negligible: float) -> list[Array]:
-    """A correction as cores of as many rows as it has terms, (terms, modes, terms) but for the ends."""
-    c = correction.coefficients[..., 0]
-    order = np.argsort(np.abs(c), axis=None)
-    largest = order[np.cumsum(np.abs(c).ravel()[order]) > negligible]
-    factors, terms = np.unravel_index(largest, c.shape)
-    cores, count = [], len(largest)
-    for position, k in enumerate(grid.order_):
-        degree, n = correction.indices[terms, k], correction.levels[k]
-        core = np.zeros((count, 1 + n + int(correction.indices[:, k].max()), count))
-        each = np.arange(count)
-        nodal = factors == k  # T_n T_a = (T_{n+a} + T_|n-a|) / 2
-        core[each[~nodal], degree[~nodal], each[~nodal]] = 1.0
-        for shifted in (n + degree, np.abs(n - degree)):
-            np.add.at(core, (each[nodal], shifted[nodal], each[nodal]), 0.5)
-        if position == 0:
-            core = core.sum(axis=0, keepdims=True)
-        if position == len(grid.order_) - 1:
-            core = core.sum(axis=2, keepdims=True) * c[factors, terms][:, None, None]
-        cores.append(core)
-    if count and len(cores) == 1:
-        return cores
-    return cores if count else []
+def _terms(grid: GridGP, correction: Correction, negligible: float) -> Iterator[list[Array]]:
+    """Yield the parts of a correction, T_n of a factor times a polynomial of few degrees, as cores."""
+    allowed = negligible / len(grid.order_)
+    for factor, coefficients in enumerate(correction.coefficients[..., 0]):
+        if np.abs(coefficients).sum() <= allowed:
+            continue
+        tensor = np.zeros(1 + correction.indices.max(axis=0))
+        tensor[tuple(correction.indices.T)] = coefficients
+        cores = list(compress(tensor.transpose(grid.order_)[..., None], allowed).cores)
+        position, n = grid.order_.index(factor), correction.levels[factor]
+        low = cores[position]
+        nodal = np.zeros((low.shape[0], n + low.shape[1], low.shape[2]))
+        for degree in range(low.shape[1]):  # T_n T_a = (T_{n+a} + T_|n-a|) / 2
+            nodal[:, n + degree] += low[:, degree] / 2
+            nodal[:, abs(n - degree)] += low[:, degree] / 2
+        cores[position] = nodal
+        yield cores
 
 
 def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
     """The cores of the sum of two trains of one output."""
-    if not others:
-        return list(cores)
     summed = []
     last = len(cores) - 1
     for k, (a, b) in enumerate(zip(cores, others, strict=True)):

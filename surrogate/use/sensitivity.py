@@ -1,12 +1,13 @@
 """Exact sensitivity indices of a grid surrogate: contractions of its tensor train, without sampling.
 
-The inputs are independent and uniform over the box in their scaled coordinate (log-uniform on a log scale). Source:
-I. M. Sobol', Math. Comput. Simul. 55 (2001) 271; R. Ballester-Ripoll et al., SIAM/ASA J. Uncertain. Quantif. 7 (2019)
-1109 (indices of tensor trains).
+Inputs are independent, each uniform on its scale or of a distribution of its own. Sources: I. M. Sobol', Math. Comput.
+Simul. 55 (2001) 271; R. Ballester-Ripoll et al., SIAM/ASA J. Uncertain. Quantif. 7 (2019) 1109 (indices of tensor
+trains).
 """
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import combinations
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -15,12 +16,14 @@ from numpy.polynomial.legendre import leggauss
 from approximation.arrays import Array
 from approximation.chebyshev import coefficients, gauss_points
 from approximation.sobol import sobol_points
-from surrogate.data.inputs import physical_points
+from surrogate.data.inputs import Input, physical_points
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
 
+#: Takes shares of the probability, any shape; gives values of an input.
+Quantile = Callable[[Array], Array]
 # Gauss-Legendre nodes a mode: exact for the Chebyshev kernel, whose features have twice as many modes.
 NODES_A_LEVEL = 2
 FEWEST_NODES = 64
@@ -31,41 +34,30 @@ SAMPLE = 1024
 EXPANDED, COMPRESSION, LINES = 2**16, 1e-8, 16
 
 
-def sobol(model: GaussianProcess) -> xr.Dataset:
-    """Return Sobol' indices and main effects of every output.
+def sobol(model: GaussianProcess, quantiles: Mapping[str, Quantile] = MappingProxyType({})) -> xr.Dataset:
+    """Return Sobol' indices and main effects of every output of a fitted `GridGP`, `GroupedGP` or `CurveGP`.
 
-    Parameters
-    ----------
-    model : GaussianProcess
-        A fitted `GridGP`, `GroupedGP` or `CurveGP`. Indices are those of its tensor train, without the
-        correction of the mean that `calibrate` learns; the correction counts as an error of the train, beside the
-        calibrated standard deviation. The train of the others is over their inputs: their mean on a grid of them,
-        `EXPANDED` points at most, whose error counts too.
+    Inputs are independent. Those in `quantiles` have the distributions of these quantile functions, which take shares
+    and give values within the box; all others are uniform on their scale.
 
-    Returns
-    -------
-    Dataset
-        `first_order` and `total` over (`output`, `input`), each with `_low` and `_high`; `second_order` over (`output`,
-        `input`, `other_input`), symmetric, zero on the diagonal; `mean` and `variance` over `output`; `main_effect`,
-        the mean of the output given one input, minus `mean`, and `main_effect_std`, its root-mean-square error,
-        over (`output`, `input`, `position`); `value`, the physical value of the input at a position, over (`input`,
-        `position`).
+    The data set has `first_order` and `total` over (`output`, `input`), each with `_low` and `_high`; `second_order`
+    over (`output`, `input`, `other_input`), symmetric, zero on the diagonal; `mean` and `variance` over `output`;
+    `main_effect`, the mean of the output given one input less `mean`, and its root-mean-square error
+    `main_effect_std` over (`output`, `input`, `position`); `value`, of the input at a position.
 
-        Every index is a share of the variance of the predicted mean. The intervals bound the effect of the predictive
-        error: with its root-mean-square e over the box, a projection of the output has a norm within e of that of the
-        prediction, since projections do not lengthen.
-
-    Raises
-    ------
-    TypeError
-        The model is none of these.
+    Indices are those of the tensor train, without the correction of the mean, which counts as an error of the train
+    beside the calibrated standard deviation. The train of grouped models and of curves is over their inputs: their mean
+    on a grid of at most `EXPANDED` points, whose error counts too. Every index is a share of the variance of the
+    predicted mean. With root-mean-square error e a projection of the output has a norm within e of the prediction's,
+    since projections do not lengthen: this bounds the effect of the error.
     """
     if not isinstance(model, GridGP | GroupedGP | CurveGP):
         known = "GridGP, GroupedGP or CurveGP"
         raise TypeError(f"exact sensitivity indices need a {known}, got {type(model).__name__}")
     names, d = list(model.box), len(model.box)
     train = model.uncalibrated() if isinstance(model, GridGP) else _expanded(model)
-    moments = _Moments(train)
+    places = _places(model, quantiles)
+    moments = _Moments(train, places)
     mean = moments.mean()
     variance = moments.explained(range(d))
     first = np.stack([moments.explained({i}) for i in range(d)])
@@ -75,7 +67,7 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
         second[i, j] = second[j, i] = np.maximum(moments.explained({i, j}) - first[i] - first[j], 0)
     positions = np.linspace(-1, 1, POSITIONS)
     effect = np.stack([moments.effect(i, positions) for i in range(d)], axis=1) - mean[:, None, None]
-    error, spread = _errors(model, train, positions)
+    error, spread = _errors(model, train, positions, places)
 
     # an output without variance has no shares to speak of
     whole = np.where(variance > 0, variance, 1.0)
@@ -95,20 +87,32 @@ def sobol(model: GaussianProcess) -> xr.Dataset:
     return xr.Dataset(table, coords=coords)
 
 
+def _places(model: GaussianProcess, quantiles: Mapping[str, Quantile]) -> list[Callable[[Array], Array]]:
+    """Return functions that take every input's share, -1 to 1, to its scaled coordinate."""
+
+    def placed(input_: Input) -> Callable[[Array], Array]:
+        quantile = quantiles.get(input_.name)
+        if quantile is None:
+            return np.asarray
+        return lambda share: np.clip(input_.to_unit(quantile((share + 1) / 2)), -1, 1)
+
+    return [placed(input_) for input_ in model.inputs_]
+
+
 class _Moments:
     """Means of the prediction and of its products over the box, from the moments of every factor's features.
 
     The cores and moments are in the order of contraction; factors are named by their index in the model.
     """
 
-    def __init__(self, model: GridGP) -> None:
+    def __init__(self, model: GridGP, places: Sequence[Callable[[Array], Array]]) -> None:
         self._model = model
         self._order = model.order_
         self._means, self._squares = [], []
         for k, core in zip(self._order, model.train_.cores, strict=True):
             factor, modes = model.factors_[k], core.shape[1]
             nodes, weights = leggauss(max(FEWEST_NODES, NODES_A_LEVEL * len(factor.t)))
-            features = factor.features(nodes, modes).mean
+            features = factor.features(places[k](nodes), modes).mean
             self._means.append(np.einsum("rms,m->rs", core, features @ (weights / 2)))
             # a root of the moments' matrix: its columns, contracted with the core, are summed over as squares
             self._squares.append(np.einsum("rms,mq->qrs", core, _root((features * (weights / 2)) @ features.T)))
@@ -172,10 +176,13 @@ def _tails(model: GaussianProcess) -> list[Array]:
     return tails
 
 
-def _errors(model: GaussianProcess, plain: GridGP, positions: Array) -> tuple[Array, Array]:
+def _errors(
+    model: GaussianProcess, plain: GridGP, positions: Array, places: Sequence[Callable[[Array], Array]]
+) -> tuple[Array, Array]:
     """Root-mean-square predictive error of the train over the box, (p,), and given one input, (p, d, positions)."""
     inputs = model.inputs_
-    t = 2 * sobol_points(SAMPLE, len(inputs)) - 1
+    shares = 2 * sobol_points(SAMPLE, len(inputs)).T - 1
+    t = np.stack([place(share) for place, share in zip(places, shares, strict=True)], axis=1)
     over = np.empty((len(model.outputs_), len(inputs), len(positions)))
     for i in range(len(inputs)):
         for j, position in enumerate(positions):

@@ -1,14 +1,19 @@
-"""Points, series, products of polynomials and interpolation against numpy; Sobol's points."""
+"""Functions on Chebyshev points and on pieces, and their largest values."""
 
 import numpy as np
 import pytest
 from numpy.polynomial import chebyshev as theirs
 from numpy.polynomial.chebyshev import chebder, chebval
+from scipy.optimize import minimize
 
 from approximation import products
-from approximation.arrays import blocks
+from approximation.arrays import Array, blocks
 from approximation.chebyshev import coefficients, gauss_points, interpolation, mapped_points, polynomials, slopes
+from approximation.measure import ITSELF, Measure
+from approximation.panels import Panels, line
+from approximation.piecewise import Interval, Piecewise
 from approximation.sobol import sobol_points
+from approximation.summit import highest
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 8, 41])
@@ -87,3 +92,111 @@ def test_each_of_equal_strips_of_a_cube_has_one_point() -> None:
 def test_a_seed_decides_the_points() -> None:
     assert np.array_equal(sobol_points(16, 2, 1), sobol_points(16, 2, 1))
     assert not np.array_equal(sobol_points(16, 2, 1), sobol_points(16, 2, 2))
+
+
+PLACES = np.array([[0.0, 0.3, 1.0], [1.7, 2.5, 4.0]])  # an end of two panels among them
+
+
+def waves(x: Array) -> Array:
+    """An odd and an even function; (place, 2)."""
+    return np.stack([np.sin(x), np.cos(2 * x)], -1)
+
+
+def test_polynomials_and_rates_are_those_of_the_function() -> None:
+    interval = Interval(-1.0, 3.0, 24)
+    series, x = coefficients(np.exp(interval.points)), np.linspace(-1, 3, 50)
+    np.testing.assert_allclose(interval.polynomials(x) @ series, np.exp(x), rtol=1e-12)
+    np.testing.assert_allclose(
+        interval.polynomials(x) @ interval.derived(series), np.exp(x), rtol=1e-11
+    )  # differentiated
+    np.testing.assert_array_equal(interval.polynomials(np.array([9.0])), interval.polynomials(np.array([3.0])))
+
+
+@pytest.mark.parametrize("groups", [None, np.array([0.0, 1.0, 1.0])])
+def test_panels_hold_the_function_and_sums_of_its_outputs(groups: Array | None) -> None:
+    panels = Piecewise.of(waves, np.array([0.0, 1.0, 2.0, 4.0]), 16, groups)
+    np.testing.assert_allclose(panels.at(PLACES), waves(PLACES), atol=1e-12)
+    mixing = np.array([[1.0, 0.0, 2.0], [1.0, -1.0, 0.5]])
+    np.testing.assert_allclose(panels.at(PLACES, mixing), waves(PLACES) @ mixing, atol=1e-12)
+
+
+def test_halves_resolve_what_a_whole_panel_does_not() -> None:
+    coarse = Piecewise.of(waves, np.array([0.0, 0.5, 4.0]), 12)
+    fine = coarse.halved(waves, np.array([False, True]))
+    np.testing.assert_array_equal(fine.ends, [0, 0.5, 2.25, 4])
+    missed, left = (np.abs(panels.at(PLACES) - waves(PLACES)).max() for panels in (coarse, fine))
+    assert left < 1e-3 * missed  # of a series that falls like x^12 / 12!
+
+
+def test_a_mirrored_function_has_the_parities_of_its_outputs() -> None:
+    mirrored = Piecewise.of(waves, np.array([0.0, 1.0, 4.0]), 20).mirrored(np.array([True, False]))
+    np.testing.assert_allclose(mirrored.at(-PLACES), waves(-PLACES), atol=1e-10)
+
+
+NORM = Measure(np.zeros((1, 2)), np.eye(2)[None])
+TOP = Measure(np.array([[0.5, 0.5, 0.0]]), np.array([[[0.5, -0.5, 0.0], [0.0, 0.0, 1.0]]]))
+
+
+def test_a_measure_is_the_largest_eigenvalue_it_is_written_as() -> None:
+    fields = np.random.default_rng(5).normal(size=(40, 3))
+    matrices = np.array([[[xx, xy], [xy, yy]] for xx, yy, xy in fields])
+    largest = np.linalg.eigvalsh(matrices)[:, -1]
+    np.testing.assert_allclose(TOP.of(fields), largest, rtol=1e-13)
+    np.testing.assert_allclose(TOP.values(fields.T[None])[0], largest, rtol=1e-13)
+    np.testing.assert_allclose(TOP.bent(fields).value, largest, rtol=1e-13)
+
+
+@pytest.mark.parametrize("top", [-0.37, 0.0, 0.81, 1.6])
+def test_the_top_of_one_field_on_a_line_is_found_to_rounding_inside_and_at_an_end(top: float) -> None:
+    values = np.exp(-((gauss_points(40) - top) ** 2))[None, None, None]
+    summit = highest(values, (40,), ITSELF)
+    across, down, value = summit.across, summit.down, summit.value
+    place = min(top, 1.0)
+    np.testing.assert_allclose(across, place, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(value, np.exp(-((place - top) ** 2)), rtol=1e-13)
+    assert down == 0
+
+
+def test_the_top_of_a_norm_over_a_square_is_that_of_an_optimiser() -> None:
+    def fields(x: Array, y: Array) -> Array:
+        return np.array([np.exp(-3 * (x - 0.3) ** 2 - y**2), 0.4 * np.sin(2 * x + y)])
+
+    x, y = np.meshgrid(gauss_points(30), gauss_points(24))
+    top = highest(fields(x, y)[None], (30,), NORM)
+    across, down, value = top.across, top.down, top.value
+
+    def below(place: Array) -> float:
+        return -float(np.linalg.norm(fields(place[0], place[1])))
+
+    best = minimize(below, np.array([0.3, 0.1]), tol=1e-14, method="Nelder-Mead")
+    np.testing.assert_allclose(value, -best.fun, rtol=1e-12)
+    np.testing.assert_allclose([across[0], down[0]], best.x, rtol=0, atol=1e-6)  # flat: the root of rounding
+
+
+@pytest.mark.parametrize("lean", [-1e-4, 1e-4])
+def test_of_hills_that_are_nearly_as_high_the_higher_is_found_though_its_points_lie_lower(lean: float) -> None:
+    def field(x: Array) -> Array:  # of tops between two points of a panel and at one
+        return np.asarray((1 + lean) * np.exp(-20 * (x - middle) ** 2) + np.exp(-20 * (x - other_middle) ** 2))
+
+    x = line((60, 60), (-2.0, 0.0, 2.0))
+    other_middle, middle = x[30], (x[89] + x[90]) / 2
+    top = highest(field(x)[None, None, None], (60, 60), ITSELF)
+    assert top.panel == (1 if lean > 0 else 0)
+    np.testing.assert_allclose(top.value, 1 + max(lean, 0.0), rtol=1e-9)
+
+
+def test_of_equal_tops_the_first_is_given() -> None:
+    x = line((30, 30), (-1.0, 0.0, 1.0))
+    top = highest(np.cos(2 * np.pi * (np.abs(x) - 0.5))[None, None, None], (30, 30), ITSELF)
+    assert top.panel == 0
+    np.testing.assert_allclose(top.across, 0.0, atol=1e-9)
+
+
+def test_points_of_panels_come_panel_by_panel() -> None:
+    panels = Panels((2, 3), (2, 1))
+    net = np.arange(15.0).reshape(3, 5)
+    ordered = panels.by_panel(net)
+    for down, across, part in panels.parts:
+        assert ordered[part].reshape(down, across).shape == (down, across)
+    np.testing.assert_array_equal(ordered, [0, 1, 5, 6, 2, 3, 4, 7, 8, 9, 10, 11, 12, 13, 14])
+    np.testing.assert_allclose(line((1, 1), (0.0, 2.0, 6.0)), [1.0, 4.0], rtol=1e-15)

@@ -240,25 +240,6 @@ def test_bytes_of_attacks(name: str, seed: int, place: Path) -> None:
     assert run(place, "query", "spoilt.nc", "points.csv", "-o", "out.csv") == 2
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ("query", "results/tiny/surrogate.nc", "points.csv", "-o", "out.csv"),
-        ("design", "results/tiny", "--over", "radius", "--maximise", "peak_pressure"),
-        ("invert", "results/tiny", "--measured", "peak_pressure=1e6+-1e4", "--infer", "load"),
-    ],
-)
-def test_every_command_refuses_a_surrogate_that_is_not_plain(
-    words: tuple[str, ...], place: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (place / "config/tiny.yaml").write_text(hostile.STUDY, encoding="utf-8")
-    (place / "results/tiny").mkdir(parents=True)
-    hostilefiles.write("half_precision", place / "results/tiny/surrogate.nc")
-    with hostile.guarded(place):
-        assert main(words) == 2
-    assert "surrogate.nc: variable 'x' has an unexpected type\n" in capsys.readouterr().err
-
-
 @pytest.fixture(params=["forked", "started"])
 def child(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Either way to a process of its own."""

@@ -1,37 +1,42 @@
 """Two runs at once, one core or two, few slabs or many: no interference, and the same bytes."""
 
+import os
+import random
 import re
+import shutil
+import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
 from storage.netcdf import ANSWERS, read_whole
-from tests.faults.conftest import REPORT, RESULTS, TINY, contents
-from tests.faults.processes import jobs, start
-from tests.workflow.conftest import Project
+from tests import warm
+from tests.faults.conftest import FILES, NOT_COMPARED, RESULTS, TINY, contents
+from tests.faults.processes import jobs, kill_within, start, wait_for_orphans
+from tests.workflow.conftest import Copy, Project
 
 Maker = Callable[[str], Project]
 
 
 def test_neither_a_second_run_nor_an_edit_of_the_study_disturbs_the_first(tiny: Maker, undisturbed: Project) -> None:
-    project = tiny("twice")
+    project, last = tiny("twice"), str(RESULTS / FILES[0])
     study = project.folder / "config/tiny.yaml"
-    first = start(project, "tiny")
+    first = start(project, "tiny", *FILES)
     while first.poll() is None and not jobs(first):
         time.sleep(0.1)
     study.write_text(TINY.replace("fibrous", "laminate"), encoding="utf-8")
-    for command in (["meecontact", "run", "tiny"], ["snakemake", "--cores", "1", REPORT]):
+    for command in (["meecontact", "run", "tiny"], ["snakemake", "--cores", "1", last]):
         second = project.run(*command, check=False)
         assert second.returncode == 1
         assert re.search(r"^study 'tiny' is already being run \(process \d+\): wait", second.stderr, re.MULTILINE)
     assert first.wait() == 0
     assert contents(project) == contents(undisturbed)
-    assert (project.folder / RESULTS / "study.yaml").read_text(encoding="utf-8") == TINY  # of the crate: as it began
-    assert {"slab", "cases", "surrogate", "report"} <= project.planned(REPORT)  # the edit is seen now
+    assert {"slab", "cases", "surrogate"} <= project.planned(last)  # the edit is seen now
     study.write_text(TINY, encoding="utf-8")
-    again = project.run("meecontact", "run", "tiny")
-    assert "Nothing to be done" in again.stdout + again.stderr
-    assert contents(project) == contents(undisturbed)
+    assert not project.planned(last)
 
 
 def same(first: Path, second: Path) -> bool:
@@ -61,3 +66,174 @@ def test_cores_and_slabs_do_not_change_a_digit(tiny: Maker, undisturbed: Project
         others = {name for name in result if "slab_" not in name}
         assert others >= set(files)
         assert [name for name in others if not same(results / name, undisturbed.folder / RESULTS / name)] == []
+
+
+def survives(
+    project: Project,
+    study: str,
+    expected: dict[str, bytes],
+    kills: int,
+    dice: random.Random,
+    *files: str,
+    cold: bool = False,
+) -> dict[str, bytes]:
+    """Kill runs of one study in one folder, jobs and Snakemake in turn; look at the files each time, give the last.
+
+    Runs are whole, or for some files; forks of a warm process, or cold.
+    """
+    done = 0
+    while done < kills:
+        run = start(project, study, *files, cold=cold)
+        if kill_within(run, "job" if done % 2 else "snakemake", dice):
+            done += 1
+        elif run.returncode == 0:  # it was quicker: begin again
+            shutil.rmtree(project.folder / "results")
+        for name, content in contents(project, study).items():
+            hidden = name.rpartition("/")[2].startswith(".")
+            assert hidden or content == expected[name], f"{name} after {done} kills"
+    finished = start(project, study, *files, cold=cold)
+    assert finished.wait() == 0, (project.folder / "run.log").read_text(encoding="utf-8")[-4000:]
+    wait_for_orphans(project)
+    return contents(project, study)
+
+
+def test_kills_lose_nothing(tiny: Callable[[str], Project], undisturbed: Project) -> None:
+    project, expected = tiny("killed"), contents(undisturbed)
+    left = survives(project, "tiny", expected, 2, random.Random(3), "validation.nc")  # Snakemake, then a job
+    assert {"quantities.nc", "surrogate.nc", "validation.nc"} <= left.keys()
+    assert left.items() <= expected.items()
+
+
+@pytest.mark.soak
+def test_a_hundred_kills_lose_nothing_of_the_quickstart(copy: Copy) -> None:
+    undisturbed = copy("quickstart")
+    undisturbed.run("meecontact", "run", "quickstart", "--cores", "2")
+    expected = contents(undisturbed, "quickstart")
+    killed = copy("killed")
+    assert survives(killed, "quickstart", expected, 100, random.Random(100), cold=True) == expected
+    assert all((killed.folder / "results/quickstart" / name).is_file() for name in NOT_COMPARED)
+
+
+def flip(content: bytes) -> bytes:
+    """One bit, in the middle."""
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+def cut(content: bytes) -> bytes:
+    """All but the last byte."""
+    return content[:-1]
+
+
+# what is done to files, what is said of them, and what is made from each
+CASES = [
+    (
+        cut,
+        "incomplete",
+        {"fields/slab_1.nc": "quantities.nc", "fields/effect_friction.nc": "figures/effect_friction.svg"},
+    ),
+    (None, "holds tiny/fields/slab_1.nc", {"fields/slab_0.nc": "quantities.nc"}),  # which are swapped
+    (flip, "altered", {"fields/slab_0.nc": "figures/fields.svg", "quantities.nc": "surrogate.nc"}),
+]
+
+
+def test_damage_is_named_and_not_passed_on(undisturbed: Project, tmp_path: Path) -> None:
+    project = Project(tmp_path / "tampered")
+    results = project.folder / RESULTS
+    for damage, says, pairs in CASES:
+        shutil.rmtree(project.folder, ignore_errors=True)
+        shutil.copytree(undisturbed.folder, project.folder, symlinks=True)
+        for name, target in pairs.items():
+            written = (results / name).stat()
+            other = results / name if damage else results / "fields/slab_1.nc"
+            (results / name).write_bytes((damage or bytes)(other.read_bytes()))
+            os.utime(results / name, ns=(written.st_atime_ns, written.st_mtime_ns))
+            (results / target).unlink()
+        targets = [str(RESULTS / target) for target in pairs.values()]
+        done = project.snakemake("--keep-going", *targets, check=False)
+        assert done.returncode == 1
+        for name, target in pairs.items():
+            assert f"FormatError: {RESULTS / name}: {says}" in done.stderr
+            assert not (results / target).exists(), target
+            (results / name).unlink()  # as docs/runs.md says
+    project.snakemake(*targets)
+    assert contents(project) == contents(undisturbed)
+
+
+@contextmanager
+def small_disk(folder: Path, kilobytes: int) -> Iterator[Callable[[], None]]:
+    """Mount a small file system at a folder; yields what makes it large."""
+    folder.mkdir(exist_ok=True)
+    command = ["mount", "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        pytest.skip(f"no small disk (root may mount one: {' '.join(done.stderr.split())})")
+
+    def enlarge() -> None:
+        subprocess.run(["mount", "-o", "remount,size=100m", str(folder)], check=True)
+
+    try:
+        yield enlarge
+    finally:
+        subprocess.run(["umount", "--lazy", str(folder)], check=True)
+
+
+def as_plain_user(project: Project, *command: str) -> subprocess.CompletedProcess[str]:
+    """Run a command that permissions bind."""
+    return warm.run(command, project.folder, project.modules, bound=True)
+
+
+def leaves_whole_files(full: subprocess.CompletedProcess[str], project: Project, expected: dict[str, bytes]) -> int:
+    """The run failed for want of room and left only whole files, though not all; how many."""
+    assert full.returncode == 1
+    assert "[Errno 28] No space left on device: 'results/tiny/" in full.stderr
+    wait_for_orphans(project)
+    left = contents(project)
+    assert left.items() < expected.items()
+    return len(left)
+
+
+def test_a_full_disk_stops_the_run_and_a_rerun_completes(tiny: Maker, undisturbed: Project) -> None:
+    project, expected = tiny("disk"), contents(undisturbed)
+    target = str(RESULTS / "validation.nc")
+    with small_disk(project.folder / "results", 900) as enlarge:  # for random cases, not for slabs beside them
+        full = project.run("snakemake", "--cores", "1", target, check=False)
+        assert leaves_whole_files(full, project, expected) > 0
+        enlarge()
+        project.snakemake(target)
+        left = contents(project)
+        assert "validation.nc" in left
+        assert left.items() <= expected.items()
+
+
+def test_an_unwritable_folder_is_named_and_a_rerun_completes(tiny: Maker, undisturbed: Project) -> None:
+    project = tiny("unwritable")
+    results = project.folder / "results"
+    for folder in (results, results / "tiny"):
+        folder.mkdir(exist_ok=True)
+        folder.chmod(0o555)
+        done = as_plain_user(project, "meecontact", "run", "tiny", "--cores", "2")
+        folder.chmod(0o755)
+        assert done.returncode == 1
+        assert f"Permission denied: '{folder.relative_to(project.folder)}/" in done.stderr
+        assert not [file for file in results.rglob("*") if file.is_file()]
+    project.snakemake(str(RESULTS / "quantities.nc"))  # with nothing there, what follows is any run
+    assert contents(project).items() <= contents(undisturbed).items()
+
+
+@pytest.mark.parametrize("command", ["solve", "query"])
+def test_an_unwritable_output_of_a_command_is_one_line(command: str, undisturbed: Project, tmp_path: Path) -> None:
+    table = tmp_path / "table.csv"
+    closed = tmp_path / "closed"
+    closed.mkdir()
+    row = "0.5,0.2,10000,0.05"
+    table.write_text(f"volume_fraction,friction,load,radius\n{row}\n", encoding="utf-8")
+    closed.chmod(0o555)
+    words = {
+        "solve": ["solve", str(table), "-o", str(closed / "out.nc")],
+        "query": ["query", str(RESULTS / "surrogate.nc"), str(table), "-o", str(closed / "out.csv")],
+    }[command]
+    done = as_plain_user(undisturbed, "meecontact", *words)
+    assert done.returncode == 2
+    assert done.stderr == f"meecontact: {words[-1]}: Permission denied\n"
+    assert not list(closed.iterdir())

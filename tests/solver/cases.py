@@ -12,13 +12,8 @@ from verification.oracles.precise import Solution
 
 #: A case with every term at work: friction, both charges, a datum that is not one.
 CHARGED: dict[str, Any] = {
-    "radius": 0.05,
-    "load": 1e5,
-    "friction": 0.3,
-    "charge": 2e-6,
-    "magnetic_charge": -3e-3,
-    "datum": 0.2,
-}
+    "radius": 0.05, "load": 1e5, "friction": 0.3, "charge": 2e-6, "magnetic_charge": -3e-3, "datum": 0.2,
+}  # fmt: skip
 
 #: Maxima over the body: neither smooth nor affine, and unknown where c12 is; never part of the comparisons here.
 INTERIOR = ("peak_von_mises", "peak_von_mises_depth", "peak_principal_tension")

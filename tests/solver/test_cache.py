@@ -1,14 +1,17 @@
-"""Stored results are bounded by their bytes together, allocations by a case's numbers; rows that differ."""
+"""Stored results are bounded by their bytes together; rows that differ; one thread of BLAS while a case is solved."""
 
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import solver
 from solver import cache
 from solver.arrays import Array, distinct_rows
+from solver.face.cases import Cases
 
 FILM: dict[str, Any] = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "magnetic": "insulating"}
 
@@ -85,3 +88,23 @@ def test_distinct_rows_are_those_of_every_column_sorted(rows: Array) -> None:
     distinct, all_of = np.unique(rows, axis=0, return_inverse=True)
     np.testing.assert_array_equal(computed, distinct)
     np.testing.assert_array_equal(which, all_of.ravel())
+
+
+def threads() -> set[int]:
+    return {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
+
+
+def test_every_solution_is_made_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[set[int]] = []
+    original = Cases.labelled
+
+    def labelled(*arguments: Any, **options: Any) -> dict[str, xr.Variable]:
+        seen.append(threads())
+        return original(*arguments, **options)
+
+    monkeypatch.setattr(Cases, "labelled", labelled)
+    with threadpool_limits(2, "blas"):
+        before = threads()
+        solver.solve({"material": "PZT-4", "radius": 0.05, "load": 1e4})
+        assert threads() == before
+    assert seen == [{1}]

@@ -58,7 +58,8 @@ def pressing(case: Case) -> tuple[str, str]:
 
 
 def test_every_kind_of_body_is_here() -> None:
-    assert {kind(case).name for case in BODIES.values()} == {known.name for known in KINDS.values()}
+    """Contacts in space, which have no fields inside, have their own tests."""
+    assert {kind(case).name for case in BODIES.values()} == {k.name for k in KINDS.values() if not k.space}
 
 
 @each_variant
@@ -89,17 +90,18 @@ def test_names_units_dimensions_and_numbers(case: Case) -> None:
 def test_cases_together_are_the_cases_alone_in_any_order_and_leave_their_input(case: Case) -> None:
     force, charge = pressing(case)
     charges = np.array([0.0, 1e-11 * case[force]])
-    table = case | {force: [case[force], 1.1 * case[force]], charge: charges}
+    forces = [1.1 * case[force]] if "air" in case.values() else [case[force], 1.1 * case[force]]  # air takes long
+    table = case | {force: forces, charge: charges}
     whole, inside = solver.solve(table, X), solver.solve_interior(table, X, Y)
     assert whole["depth"].dims == (force, charge)
-    if "air" not in case.values():  # the order is the face's, and air takes long
+    if "air" not in case.values():
         turned = solver.solve(dict(reversed(table.items())), X)
         assert turned["depth"].dims == (charge, force)
         assert_alike(turned.transpose(*whole.dims), whole, 1e-12)
     assert charges.tolist() == [0.0, 1e-11 * case[force]]
-    single = case | {force: 1.1 * case[force], charge: charges[1]}
-    assert_alike(whole.isel({force: 1, charge: 1}), solver.solve(single, X), 1e-9)
-    assert_alike(inside.isel({force: 1, charge: 1}), solver.solve_interior(single, X, Y), 1e-8)
+    single = case | {force: forces[-1], charge: charges[1]}
+    assert_alike(whole.isel({force: -1, charge: 1}), solver.solve(single, X), 1e-9)
+    assert_alike(inside.isel({force: -1, charge: 1}), solver.solve_interior(single, X, Y), 1e-8)
 
 
 @each_variant

@@ -65,6 +65,18 @@ def test_the_command_judges_each_row(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert len(capsys.readouterr().out.splitlines()) == len(ROWS)
 
 
+@pytest.mark.parametrize(("separator", "mark"), [(",", "."), (";", "."), (";", ","), ("\t", ",")])
+def test_answers_of_any_spreadsheet_are_read(
+    separator: str, mark: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers = tmp_path / "answers.csv"
+    mine = [(row["problem"], row["quantity"], row["value"].replace(".", mark)) for row in ROWS[:3]]
+    lines = ["# of another code", *map(separator.join, [("problem", "quantity", "value"), *mine])]
+    answers.write_text("\n".join(lines), encoding="utf-8")
+    assert main.main(["benchmark", str(answers)]) == 0
+    assert capsys.readouterr().out.splitlines()[-1].startswith("3 of 3 numbers agree to the last digit;")
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -1,4 +1,4 @@
-"""Public referees find no fault in the files of a run, half-plane and film; and they do find faults."""
+"""Public referees find no fault in the files of a run and of groups in single precision; and they do find faults."""
 
 import json
 import shutil
@@ -21,55 +21,54 @@ PYTHON = Path(sys.prefix) / "referees/bin/python"
 SMALL = "results/small"
 pytestmark = pytest.mark.skipif(not PYTHON.exists(), reason="no referees (`make referees` installs them)")
 
-FILM = """\
-title: Films in groups
-fixed: {surroundings: insulated, composite: fibrous, volume_fraction: 0.4, friction: 0.2, base: rigid}
+GROUPED = """\
+title: Half-planes in groups
+fixed: {composite: fibrous, volume_fraction: 0.4, friction: 0.2, datum: 0.5}
 factors:
-  thickness: {low: 2e-4, high: 1e-3, scale: log}
   radius: {low: 0.03, high: 0.1, scale: log}
   load: {low: 2e4, high: 5e4, scale: log}
   charge: {low: -1e-6, high: 2e-6}
 groups:
-  load * radius / thickness^2: {levels: 4}
+  load * radius / datum^2: {levels: 4}
   charge / load: {levels: 3}
 dataset: {precision: float32, slabs: 1, positions: {inside: 4, outside: 2}}
 """
 
 
 @pytest.fixture(scope="module")
-def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Write the files of a study of films, without its page."""
-    folder = tmp_path_factory.mktemp("films")
-    study = made(FILM)
-    card = datacard.card(study, "films", data_set(study, folder), [])
+def grouped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Write the files of a study in groups, without its page."""
+    folder = tmp_path_factory.mktemp("grouped")
+    study = made(GROUPED)
+    card = datacard.card(study, "grouped", data_set(study, folder), [])
     surrogate.save(training.fit(study, read_whole(folder / "quantities.nc")), folder / "surrogate.nc")
     (folder / "croissant.json").write_text(json.dumps(datacard.croissant(card)), encoding="utf-8")
     return folder
 
 
 @pytest.fixture(scope="module")
-def broken(film: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def broken(grouped: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One of its files with a unit that is none, and a range of another type than the numbers."""
     folder = tmp_path_factory.mktemp("broken")
-    with netCDF4.Dataset(shutil.copy(film / "fields/slab_0.nc", folder), "a") as file:
+    with netCDF4.Dataset(shutil.copy(grouped / "fields/slab_0.nc", folder), "a") as file:
         file["voltage"].setncattr("units", "volts or so")
         file["contact_pressure"].setncattr("actual_range", [0.0, 1.0])
     return folder
 
 
 @pytest.fixture(scope="module")
-def said(ran: Project, film: Path, broken: Path) -> list[str]:
+def said(ran: Project, grouped: Path, broken: Path) -> list[str]:
     """Return the lines of the referees on the three folders."""
-    command = [str(PYTHON), str(ROOT / "tests/referees.py"), str(ran.folder / SMALL), str(film), str(broken)]
+    command = [str(PYTHON), str(ROOT / "tests/referees.py"), str(ran.folder / SMALL), str(grouped), str(broken)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 1, done.stderr  # of the last
     return [line for line in done.stdout.splitlines() if "not installed" not in line]
 
 
-def test_no_referee_finds_a_fault(said: list[str], ran: Project, film: Path) -> None:
+def test_no_referee_finds_a_fault(said: list[str], ran: Project, grouped: Path) -> None:
     names = ("conventions", "croissant", "crate", "foreign")
     expected = [f"{ran.folder / SMALL}: {name}: no faults" for name in names]
-    expected += [f"{film}: {name}: no {'ro-crate-metadata.json' if name == 'crate' else 'faults'}" for name in names]
+    expected += [f"{grouped}: {name}: no {'ro-crate-metadata.json' if name == 'crate' else 'faults'}" for name in names]
     assert said[: said.index(expected[-1]) + 1] == expected
 
 

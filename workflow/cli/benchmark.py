@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from storage.files import regular
+from workflow.cli.textfile import sheet, with_point
 from workflow.language.spelling import nearest
-from workflow.study.reading import InputError, number, one_line
+from workflow.study.reading import InputError, located, number, one_line
 
 TABLE = Path(__file__).with_name("benchmark.csv")
 _COLUMNS = ("problem", "quantity", "value")
@@ -20,7 +20,7 @@ Key = tuple[str, str]
 
 def benchmark(options: argparse.Namespace) -> None:
     """Print the table, or a verdict for each of its numbers."""
-    known = {(row["problem"], row["quantity"]): row for row in _rows(TABLE)}
+    known = {(row["problem"], row["quantity"]): row for row in _rows(TABLE)[0].values()}
     if options.answers is None:
         for (problem, quantity), row in known.items():
             print(f"{problem:26s} {quantity:20s} {row['value']:>17s} {row['units']}")
@@ -45,28 +45,26 @@ def verdict(expected: str, answer: float | None) -> str:
     return f"off by {abs(answer - exact) / abs(exact):.1e}"
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
-    """Rows of a table with a header, as texts."""
-    if regular(path).stat().st_size > _MOST_BYTES:
-        raise InputError(f"{path}: larger than {_MOST_BYTES} bytes")
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-        rows = list(csv.DictReader(lines, strict=True))
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: {error}") from None
-    return [{str(name).strip(): str(cell or "").strip() for name, cell in row.items()} for row in rows]
+def _rows(path: Path) -> tuple[dict[int, dict[str, str]], str]:
+    """Rows of a table with a header, as texts by line of the file, and what separates the cells."""
+    table = sheet(path, _MOST_BYTES)
+    with located(path, (UnicodeDecodeError, csv.Error)), table.open() as file:
+        header, *rows = list(table.rows(file, _MOST_BYTES)) or [(0, [""])]
+    names = [name.strip() for name in header[1]]
+    cells = {line: [*map(str.strip, row), *[""] * len(names)] for line, row in rows}
+    return {line: dict(zip(names, row, strict=False)) for line, row in cells.items()}, table.separator
 
 
 def _answers(path: Path, known: Mapping[Key, Any]) -> dict[Key, float]:
     """The numbers of a file, each of the table."""
     answers: dict[Key, float] = {}
-    rows = _rows(path)
+    rows, separator = _rows(path)
     if not rows:
         raise InputError(f"{path}: is empty: needs the columns {', '.join(_COLUMNS)} and a row or more")
-    for line, row in enumerate(rows, 2):
+    for line, row in rows.items():
         for name in _COLUMNS:
             if name not in row:
-                raise InputError(f"{path}: no column {name}; must have {', '.join(_COLUMNS)}, between commas")
+                raise InputError(f"{path}: no column {name}; must have {', '.join(_COLUMNS)}")
         key = row["problem"], row["quantity"]
         if key not in known:
             choices = [quantity for problem, quantity in known if problem == key[0]]
@@ -75,7 +73,7 @@ def _answers(path: Path, known: Mapping[Key, Any]) -> dict[Key, float]:
         if key in answers:
             raise InputError(f"{path}: line {line}: {key[0]}, {key[1]}: given twice")
         try:
-            answers[key] = number(row["value"])
+            answers[key] = number(with_point(row["value"], separator))
         except ValueError:
             answers[key] = math.nan
         if not math.isfinite(answers[key]):

@@ -15,7 +15,7 @@ from approximation.arrays import Array
 from solver import units
 from workflow.cli.textfile import Sheet, heading, is_number, missing, quick_number, sheet, with_point
 from workflow.device.signal import History
-from workflow.study.reading import InputError, number
+from workflow.study.reading import InputError, located, number
 
 MOST_ROWS = 10_000_000
 _LARGEST = 1 << 30  # bytes
@@ -409,13 +409,11 @@ def _force_scale(path: Path, columns: _Columns, line: bool, scale: str | None) -
     name, text = columns.heading, columns.force_unit
     newton, per_metre = units.parse("N"), units.parse("N/m")
     if scale is not None:
-        try:
+        with located(f"--scale: {scale!r}"):
             match = re.fullmatch(r"\s*([-+.\d]*(?:[eE][-+]?\d+)?)\s*(\S.*)", scale)
             value, unit_text = match.groups() if match else (scale, "")
             product = units.parse(unit_text) * ((_unit_of(text) if text else None) or units.parse("V"))
             factor = number(value) * product.scale
-        except ValueError as error:
-            raise InputError(f"--scale: {scale!r}: {error}") from None
         if not product.fits(newton) or not 0 < abs(factor) < np.inf:
             raise InputError(f"--scale: {scale!r} times {text or 'V'!r} is no force; must be as '20 N/V'")
         return factor, False

@@ -1,12 +1,16 @@
 """A study from its check to its report: Snakemake, started with the profile that is asked for."""
 
+import argparse
 import json
 import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
 
+import yaml
+
 from workflow.cli import progress
+from workflow.cli.words import say
 from workflow.design.wording import unreached
 from workflow.language.spelling import nearest
 from workflow.study import configuration, location, partition
@@ -17,6 +21,11 @@ from workflow.study.reading import InputError
 SNAKEFILE = Path(__file__).parents[1] / "Snakefile"
 
 
+def run(options: argparse.Namespace) -> int:
+    """Check a study and run it, as the options say; its results go below the current folder."""
+    return launch(options.study, options.cores, options.profile, dry=options.dry_run)
+
+
 def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     """Check a study and run it; its results go below the current folder."""
     _require_programs()
@@ -24,11 +33,12 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     name = location.given(text)
     study = studies.named(name)
     for line in study.defaults:
-        print(line, file=sys.stderr)
+        say(line)
     _check_results(name)
     if study.verification:
         _check_verifiable(name)
-    options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(_profile(profile))]
+    folder = _profile(profile)
+    options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder)]
     configuration.check_profiles(options)
     if location.by_path(name):
         options += ["--config", f"study={location.address(name)}"]
@@ -44,14 +54,23 @@ def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
     with progress.followed(study):
         status = _snakemake([*options, "--quiet", "host", "reason", "--", report, *others])
     if status == 0:
-        folder = Path(report).parent
-        _check_origin(study, folder / "provenance.json")
+        if bucket := _bucket(folder):  # no result is in a folder of this machine
+            print(f"report: {bucket}/{report}")
+            return status
+        results = Path(report).parent
+        _check_origin(study, results / "provenance.json")
         from workflow.design.wording import table  # scikit-learn stands behind it, for which the start should not wait
 
-        for line in [*table.outcome(folder, list(study.design)), *unreached.lines(folder / "design.nc")]:
+        for line in [*table.outcome(results, list(study.design)), *unreached.lines(results / "design.nc")]:
             print(line)
         print(f"report: {report}")
     return status
+
+
+def _bucket(profile: Path) -> str:
+    """Address below which a profile's storage holds the results; empty where results are in the current folder."""
+    entries = yaml.safe_load((profile / "config.yaml").read_text(encoding="utf-8")) or {}
+    return str(entries.get("default-storage-prefix", "")).rstrip("/")
 
 
 def _check_folder(folder: Path) -> None:

@@ -23,7 +23,7 @@ from workflow.learning import correction
 from workflow.learning.instruments import Instrument
 from workflow.study import categories, uncertainty
 from workflow.study.model import Study
-from workflow.study.reading import InputError, number, one_line
+from workflow.study.reading import InputError, located, number, one_line
 
 #: What is behind the name of a quantity in the name of the column that has its errors.
 ERROR = "_std"
@@ -50,10 +50,8 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
         )
     if not (answers := model.has_answers(X)).all():
         row = int((~answers).argmax())
-        try:
+        with located(table.at(row), OutOfBoxError):
             model.require_answers(X[row : row + 1])
-        except OutOfBoxError as error:
-            raise InputError(f"{table.at(row)}: {error}") from None
     named = _kinds(table, study)
     rows, outputs, values, errors = [], [], [], []
     for name in quantities:
@@ -124,10 +122,8 @@ def learn(options: argparse.Namespace) -> None:
     rows = read_measured(options.measured, study, model)
     constants = uncertainty.uncertain(study, _uncertain(options.uncertain))
     instruments = _instruments(renamed(options.instrument, study.outputs), study)
-    try:
+    with located(options.measured, InputError):
         corrected, summary = correction.learn(study, model, rows, constants, say, instruments)
-    except InputError as error:
-        raise InputError(f"{options.measured}: {error}") from None
     save(corrected, path)
     words = "\n".join(map(one_line, summary.lines))
     print(json.dumps(summary.plain, indent=2, allow_nan=False) if options.json else words)
@@ -162,10 +158,8 @@ def _instruments(words: list[str] | None, study: Study) -> list[Instrument]:
         if family == "gain":
             instruments.append(Instrument(quantity, True, _share("--instrument", name, text)))
             continue
-        try:
+        with located(f"--instrument: {name}"):
             absolute, _ = size(quantity, text)
-        except ValueError as error:
-            raise InputError(f"--instrument: {name}: {error}") from None
         if not 0 < absolute < float("inf"):
             raise InputError(f"--instrument: {name}: {text!r} is not a positive size with a unit, as '0.1 um'")
         instruments.append(Instrument(quantity, False, absolute, ALL_QUANTITIES[quantity].units))

@@ -1,5 +1,6 @@
 """``meecontact material``: the list of what is built in, and one material in full."""
 
+import argparse
 import textwrap
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,9 +11,11 @@ from approximation.arrays import Array
 from solver import Material, MaterialError, find, limiting_speed, materials
 from solver.halfplane.surface import HalfPlane
 from solver.material import datasheet
-from solver.material.constants import UNITS
+from solver.material.constants import TRIGONAL, UNITS
+from solver.material.cuts import rotation
 from solver.material.datasheet import strain_charge, stress_matrices
 from solver.names import COMPOSITES, FACTORS, LIMITS, THERMAL
+from workflow.cli.words import printable
 from workflow.language.numbers import shown
 from workflow.study.reading import InputError, read_material
 
@@ -21,6 +24,11 @@ _WIDE, _DIGITS = 100, 6  # columns of what is printed, and digits of a constant
 _KNOWN_AS = {"N s2 C-2": "H m-1", "N s V-1 C-1": "s m-1"}
 #: Units of the slopes of (u_y, phi, psi) by (sigma_yy, D_y, B_y).
 _COMPLIANCE = (("Pa-1", "V m N-1", "A m N-1"), ("V m N-1", "V m C-1", "A m C-1"), ("A m N-1", "A m C-1", "A2 N-1"))
+
+
+def show(options: argparse.Namespace) -> None:
+    """Print one material, or the list of all, as the options say."""
+    print(listed() if options.material is None else printable(described(options.material)))
 
 
 def listed() -> str:
@@ -54,6 +62,7 @@ def _coupling(material: Material) -> str:
     electric, magnetic = (
         any(np.any(getattr(material, f"{letter}{axes}")) for axes in ("31", "33", "15")) for letter in "ef"
     )
+    electric = electric or bool(np.any(material.e11))
     if electric and magnetic:
         return "magneto-electro-elastic"
     return "piezoelectric" if electric else "piezomagnetic" if magnetic else "elastic"
@@ -68,6 +77,8 @@ def described(name: str) -> str:
             f"{COMPOSITES[name]}, {FACTORS[COMPOSITES[name]].allowed}"
         )
     material = read_material(path)[1] if path.suffix in (".yaml", ".yml") or path.exists() else find(name)
+    if not material.axial:
+        return _described(material, None)
     with np.errstate(all="ignore"):  # what is not finite is named below
         half = HalfPlane(material)
         if not (np.isfinite(half.compliance).all() and np.isfinite(half.friction_coupling).all()):
@@ -75,13 +86,15 @@ def described(name: str) -> str:
         return _described(material, half)
 
 
-def _described(material: Material, half: HalfPlane) -> str:
+def _described(material: Material, half: HalfPlane | None) -> str:
+    """Text of a material; of a crystal that only contacts in space take, without what holds for lines."""
     texts = (("source:", material.source), ("note:", material.note))
     lines = [f"{_in_line(material.name)}: admissible"]
     lines += [_filled(label, text) for label, text in texts if text]
     lines += ["a conductor: one potential inside, its permittivity has no part"] if material.conductor else []
     lines.append("constants")
     lines += [_constant(material, name) for name in UNITS if not np.isnan(getattr(material, name))]
+    lines += [_constant(material, name) for name in TRIGONAL if getattr(material, name)]
     for variant, other in zip(material.variants(), material.alternatives, strict=True):
         values = ", ".join(f"{name} = {shown(value, _units(name), _DIGITS)}" for name, value in other.constants.items())
         lines.append(_filled(f"{_in_line(variant.name)}:", f"{values}: {other.source}"))
@@ -92,6 +105,11 @@ def _described(material: Material, half: HalfPlane) -> str:
     lines += ["for heat"] if material.thermal else []
     for name, known in material.thermal.items():
         lines.append(_filled(f"  {name:16s}  {shown(known.value, THERMAL[name].units, _DIGITS):11s}", known.source))
+    if half is None:
+        lines.append(f"surface x, y, normal in the crystal's axes ({material.cut or 'Z'})")
+        return "\n".join(
+            [*lines, *("  " + "".join(f"{axis:+.6f}  " for axis in row).rstrip() for row in rotation(material.cut))]
+        )
     lines.append("Stroh roots")
     lines += [f"  {p.real:+.6f} {p.imag:+.6f}i" for p in half.roots]
     if not np.isnan(material.rho):
@@ -123,7 +141,12 @@ def _constant(material: Material, name: str) -> str:
 def _strain_form(material: Material) -> list[str]:
     """Lines with compliance, charge constants, free permittivity and coupling factors, as a data sheet has them."""
     values = {name: float(getattr(material, name)) for name in UNITS}
-    if np.isnan(values["c12"]) or material.conductor or not (values["e33"] or values["e31"] or values["e15"]):
+    if (
+        np.isnan(values["c12"])
+        or material.conductor
+        or not material.axial
+        or not (values["e33"] or values["e31"] or values["e15"])
+    ):
         return []
     c, e, eps = stress_matrices(values)
     form = strain_charge(c, e, eps)
@@ -137,7 +160,8 @@ def _strain_form(material: Material) -> list[str]:
 
 def _units(name: str) -> str:
     """The unit of a constant, as data sheets have it."""
-    return _KNOWN_AS.get(UNITS[name], UNITS[name])
+    units = (UNITS | TRIGONAL)[name]
+    return _KNOWN_AS.get(units, units)
 
 
 def _in_line(text: str) -> str:

@@ -21,7 +21,7 @@ from surrogate.intervals.distribution import NOMINAL
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import place, say, trained
 from workflow.language.spelling import nearest
-from workflow.study.reading import InputError, one_line
+from workflow.study.reading import InputError, located, one_line
 
 if TYPE_CHECKING:
     from workflow.study.model import Study
@@ -89,10 +89,8 @@ def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolat
 
 
 def _level(model: GaussianProcess, level: float | None) -> float:
-    try:
+    with located("--level"):
         return model.checked_level(level)
-    except ValueError as error:
-        raise InputError(f"--level: {error}") from None
 
 
 def study_of(model: GaussianProcess, text: str) -> "Study":

@@ -1,5 +1,6 @@
 """Design questions from the command line: words to a target, and its answer."""
 
+import argparse
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -11,13 +12,17 @@ from pydantic import ValidationError
 
 from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES, CHOICES
+from storage.files import output as file_to_write
+from storage.files import write_text
 from surrogate import GaussianProcess, Input, load
 from surrogate.use.inversion import LARGEST_ERROR, SMALLEST_ERROR, Inversion
 from workflow.cli import query
-from workflow.cli.words import named, quantity, trained
+from workflow.cli.progress import busy
+from workflow.cli.words import named, printable, quantity, say, trained
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
+from workflow.design.wording import table
 from workflow.design.wording.words import verdict
 from workflow.language.factors import FACTORS
 from workflow.language.given import size
@@ -31,7 +36,7 @@ from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
 from workflow.study.keys import Origin
 from workflow.study.model import Study
-from workflow.study.reading import InputError, first_problem
+from workflow.study.reading import InputError, first_problem, located
 from workflow.study.target import Target
 
 _BARE = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
@@ -43,6 +48,25 @@ _REMEDIES = {
     **{-(10.0**power): f"the opposite sign and a factor of {10.0**power:g}" for power in (3, -3, 6, -6)},
 }
 _UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing: a measurement of nothing leaves 0.95
+
+
+def design(options: argparse.Namespace) -> None:
+    """Answer a design question, as the options say."""
+    path = None if options.output is None else file_to_write(options.output)
+    with busy("searching") as tell:
+        answer = ask(options.results, vars(options), tell)
+    if path is not None:
+        write_text(path, f"{table.as_json(answer)}\n" if path.suffix == ".json" else table.as_csv([answer]))
+        say(f"wrote {options.output}: {verdict(answer)}")
+    else:
+        print(table.as_json(answer) if options.json else printable(table.as_text(answer, si=options.si)))
+
+
+def infer(options: argparse.Namespace) -> None:
+    """Infer factors from measured quantities, as the options say."""
+    with busy("inferring"):
+        answer = invert(options.results, vars(options), si=options.si)
+    print(printable(answer))
 
 
 def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProcess]:
@@ -147,15 +171,13 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     infer = list(named("--infer", words.get("infer")))
     point: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
     point |= {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()}
-    try:
+    with located("invert"):
         for name, point_value in point.items():
             check_values(study, "--at", name, [point_value])
         combination = {name: str(point.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in point.items()}
         outputs = [_learned(study, name, combination) for name in measured]
         inversion = Inversion(model.only(outputs) if study.kind.tabled else model, infer, outputs, held)
-    except ValueError as error:
-        raise InputError(f"invert: {error}") from None
     estimate = inversion.estimate(np.array(values), np.array(errors))
     if estimate.misfit > _IMPOSSIBLE + len(measured):
         raise InputError(
@@ -211,10 +233,8 @@ def _measured(name: str, text: str) -> tuple[float, float]:
     if shared and _BARE.fullmatch(value.strip()):  # 380+-4 pC/N: one unit for both
         value = f"{value} {shared['unit']}"
     mean = quantity(where, value, _units(name))
-    try:
+    with located(where):
         absolute, share = size(name, std)
-    except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
     if not np.isfinite(mean):
         raise InputError(f"{where}: {text!r} needs finite numbers")
     return mean, absolute + share * abs(mean)

@@ -26,7 +26,7 @@ from workflow.device.warmth import Warmth
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
-from workflow.study.reading import InputError, first_problem, number, read_material
+from workflow.study.reading import InputError, first_problem, located, number, read_material
 from workflow.study.sections import Amplifier, Device
 
 _MOST_WRITTEN = 1_000_000  # rows of a table of the signal
@@ -57,10 +57,8 @@ def signal(options: argparse.Namespace) -> None:
         _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
-    try:
+    with located("--device"):
         circuit = Circuit.of(numbers, material)
-    except ValueError as error:
-        raise InputError(f"--device: {error}") from None
     for remark in file.remarks:  # bad input ends in one line, without remarks before it
         say(f"{options.history}: {remark}")
     if contact.roughness > _ROUGH:
@@ -93,10 +91,8 @@ def _warmth(
     if not kind.layered:
         raise InputError(f"{path}: temperature: heat is of films; the case has no thickness")
     solved = solve({**case, kind.loads.force: load}, materials=materials)
-    try:
+    with located(f"{path}: temperature", HeatError):
         return Warmth.of_case(case, solved, history, length=length, materials=materials)
-    except HeatError as error:
-        raise InputError(f"{path}: temperature: {error}") from None
 
 
 def _heat_figures(

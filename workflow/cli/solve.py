@@ -3,7 +3,6 @@
 import argparse
 import csv
 import io
-import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -25,6 +24,7 @@ from solver.face.attributes import of_output, united
 from solver.face.filmfactors import present, settled
 from solver.face.strain import Excess, sentence
 from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
+from solver.material.punches import RIGID_PUNCH
 from solver.names import (
     ALL_QUANTITIES,
     CHOICES,
@@ -38,7 +38,7 @@ from solver.names import (
     POINT_SLIDING,
 )
 from solver.units import written
-from storage.files import output, write_text, writing
+from storage.files import output, writing
 from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, one_case, read_blocks, read_cases
 from workflow.cli.words import numbers, say
@@ -60,16 +60,16 @@ _EMPTY = "no number where a case has none"
 _CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
 _CLOSED = 2**14  # of those in closed form
 _VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body
-_LONG = 2**22  # bytes of a table that is answered block by block, some hundred thousand cases
-_BLOCK = 2**16  # its cases at a time: some 200 MB with answers and texts
+_BLOCK = 2**16  # cases of a written table at a time: some 200 MB with answers and texts
 _MOST_BYTES = 2**32  # of an answer, which is kept in memory until it is written
 _OF_OPTIONS = ("positions", "x", "y", "fields")  # what a message opens with that is about no row
 _REFUSALS = (FactorError, MaterialError, np.linalg.LinAlgError)
 
 
 def solve_table(options: argparse.Namespace) -> None:
-    """Solve a table and write its answer, as the options say."""
-    if _is_long(options):
+    """Solve a table and write its answer, as the options say: as a table block by block."""
+    _check_files(options)
+    if options.output is not None and options.output.suffix == ".csv":
         _solve_blocks(options)
         return
     positions = None if options.positions is None else numbers("--positions", options.positions)
@@ -80,26 +80,31 @@ def solve_table(options: argparse.Namespace) -> None:
     _check_units(table, out)
     _tell_missing(*_lacking(table, out), out.attrs.get("heat", ""))
     if options.output is None:
-        print("\n".join([*_lines(out.isel(case=0), si=options.si), "", *_left_out(table, options.materials)]))
+        case = out.isel(case=0)
+        notes = [_defaults(table, case), *_left_out(table, options.materials)]
+        print("\n".join([*_lines(case, si=options.si), "", *notes]))
     else:
-        _wrote(options, out, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
+        write_whole(out, options.output)
+        _tell_written(options, table.count, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
 
 
-def _is_long(options: argparse.Namespace) -> bool:
-    """Return whether a table is answered block by block: a long one whose answer is a table."""
-    if options.cases is None or options.output is None or options.output.suffix != ".csv":
-        return False
-    return options.positions is None and options.cases.is_file() and options.cases.stat().st_size > _LONG
+def _check_files(options: argparse.Namespace) -> None:
+    """Refuse other than one source of cases, fields in a table, and a path that cannot be written."""
+    if (options.cases is None) == (options.at is None):
+        raise InputError(f"{options.command}: give either a table CASES.csv or --at NAME=VALUE,...")
+    if options.output is not None:
+        options.output = output(options.output, *filter(None, [options.cases]), *options.materials)
+        if options.output.suffix == ".csv" and options.positions is not None:
+            raise InputError(f"{options.output}: fields over position go to netCDF; name a file that ends in .nc")
 
 
 def _solve_blocks(options: argparse.Namespace) -> None:
-    """Solve a long table block by block into a file that appears whole."""
-    options.output = output(options.output, options.cases, *options.materials)
+    """Solve a table block by block into a file that appears whole."""
     materials = dict(read_material(path) for path in options.materials)
     columns: dict[str, str] = {}
     while (count := _written(options, materials, columns)) is None:
         pass  # a block has further columns: all rows again, with those of all blocks so far
-    say(f"wrote {options.output}: {count} cases, {sum(name in ALL_QUANTITIES for name in columns)} quantities")
+    _tell_written(options, count, f"{sum(name in ALL_QUANTITIES for name in columns)} quantities")
 
 
 def _written(options: argparse.Namespace, materials: Mapping[str, Material], columns: dict[str, str]) -> int | None:
@@ -109,7 +114,7 @@ def _written(options: argparse.Namespace, materials: Mapping[str, Material], col
     partial: dict[str, None] = {}
     heat = ""
     with suppress(_FurtherColumnsError), writing(options.output) as file:
-        for table in read_blocks(options.cases, _BLOCK):
+        for table in read_blocks(options.cases, _BLOCK) if options.cases else [one_case("--at", options.at)]:
             out = solved(
                 table, lambda factors: solve(factors, materials=materials, peaks=options.peaks), strains=strains
             )
@@ -152,12 +157,12 @@ def _lacking(table: Table, out: xr.Dataset) -> tuple[list[str], list[str]]:
 def _tell_missing(missing: Sequence[str], partial: Sequence[str], heat: str) -> None:
     """Print which quantities no case has, why there is no heat, and which quantities some cases lack."""
     if missing:
-        print(f"left out, because no case has them: {', '.join(missing)}", file=sys.stderr)
+        say(f"left out, because no case has them: {', '.join(missing)}")
     if heat:
-        print(f"heat: {heat}", file=sys.stderr)
+        say(f"heat: {heat}")
     if partial:
         others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
-        print(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}", file=sys.stderr)
+        say(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}")
 
 
 def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
@@ -166,6 +171,28 @@ def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
         plain = float(case[name].values.item()), written(ALL_QUANTITIES[str(name)].units)
         value, unit = plain if si else (value, unit)
         yield one_line(f"{name:34s} {value + 0.0:.{_PRINTED}g} {unit}".rstrip())  # no -0
+
+
+def _defaults(table: Table, case: xr.Dataset) -> str:
+    """A line with the defaults that the one case of a table takes."""
+    named = table.columns.keys()
+    around, profile = (
+        str(case[name].item()) if name in case.coords else CHOICES[name][0] for name in ("surroundings", "profile")
+    )
+    kind = kind_of([*named], profile, around)
+    coupled = {"electric": "voltage", "magnetic": "magnetic_potential"}
+    charged = [name for name, potential in coupled.items() if potential in solver.table(case).index]
+    fields = [name for name in coupled if name in charged or name in named]
+    composite = {"composite": CHOICES["composite"][0]} if "volume_fraction" in named else {}
+    taken = (
+        composite | {"profile": profile} | ({} if named & {*OF_A_PUNCH} else {"punch": RIGID_PUNCH}) | {"friction": 0}
+    )
+    taken |= {name: CHOICES[name][0] for name in fields}
+    taken |= {f"interface_{name}": CHOICES[f"interface_{name}"][0] for name in fields if kind.layered}
+    taken |= {name: 0 for name, field in zip(kind.loads.charges, coupled, strict=True) if field in charged}
+    taken |= {"surroundings": around} if kind.layered else {}
+    taken |= {"datum": "1 m"} if kind.contact == "line" else {}
+    return "defaults: " + ", ".join(f"{name} {value}" for name, value in taken.items() if name not in named)
 
 
 def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
@@ -212,6 +239,7 @@ def _unasked(table: Table) -> set[str]:
 
 def solve_inside(options: argparse.Namespace) -> None:
     """Solve a table on a grid inside the body and write its answer, as the options say."""
+    _check_files(options)
     x, y = numbers("--x", options.x), numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
     points = len(x) * len(y)
@@ -219,8 +247,9 @@ def solve_inside(options: argparse.Namespace) -> None:
     def answer(factors: xr.Dataset, materials: Mapping[str, Material]) -> xr.Dataset:
         return solve_interior(factors, x, y, fields=fields, materials=materials)
 
-    _, out = _solved(options, answer, points, checked=True)
-    _wrote(options, out, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
+    table, out = _solved(options, answer, points, checked=True)
+    write_whole(out, options.output)
+    _tell_written(options, table.count, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
 
 
 def _solved(
@@ -231,10 +260,6 @@ def _solved(
     checked: bool = False,
 ) -> tuple[Table, xr.Dataset]:
     """A table of cases, and the answer to it; checked: whether bare forces are judged by their pressures before."""
-    if (options.cases is None) == (options.at is None):
-        raise InputError(f"{options.command}: give either a table CASES.csv or --at NAME=VALUE,...")
-    if options.output is not None:
-        options.output = output(options.output, *filter(None, [options.cases]), *options.materials)
     table = one_case("--at", options.at) if options.cases is None else read_cases(options.cases)
     if options.output is None and (table.count > 1 or options.positions is not None):
         what = "fields" if options.positions is not None else f"{table.count} cases"
@@ -245,9 +270,8 @@ def _solved(
     return table, solved(table, lambda factors: answer(factors, materials), points)
 
 
-def _wrote(options: argparse.Namespace, out: xr.Dataset, what: str) -> None:
-    (as_csv if options.output.suffix == ".csv" else write_whole)(out, options.output)
-    say(f"wrote {options.output}: {out.sizes['case']} case{'s' if out.sizes['case'] != 1 else ''}, {what}")
+def _tell_written(options: argparse.Namespace, count: int, what: str) -> None:
+    say(f"wrote {options.output}: {count} case{'s' if count != 1 else ''}, {what}")
 
 
 def solved(
@@ -412,14 +436,6 @@ class _Whole:
         number = variable.dtype.kind == "f"
         empty = np.full((self._count, *variable.shape[1:]), np.nan if number else "", float if number else object)
         return xr.Variable(variable.dims, empty, dict(variable.attrs))
-
-
-def as_csv(answer: xr.Dataset, path: Path) -> None:
-    """Write the answer to a table as a table: one row a case, columns of factors and quantities with their units."""
-    if extra_dims := [str(dim) for dim in answer.dims if dim != "case"]:
-        raise InputError(f"{path}: fields over {', '.join(extra_dims)} go to netCDF; name a file that ends in .nc")
-    columns = _units(answer)
-    write_text(path, _heading(columns) + _as_rows(answer, list(columns)))
 
 
 def _units(answer: xr.Dataset) -> dict[str, str]:

@@ -1,5 +1,6 @@
 """``meecontact init`` and ``meecontact list``: a study of one's own to begin with, and every name that it may use."""
 
+import argparse
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -7,12 +8,23 @@ from solver.names import ALL_QUANTITIES, CHOICES
 from solver.units import written
 from storage.files import write_text
 from workflow.cli import materials
+from workflow.cli.words import printable, say
 from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
 from workflow.study import location
 from workflow.study.reading import InputError, one_line
 
 _BEGINNING = Path(__file__).with_name("study.yaml")
+
+
+def init(options: argparse.Namespace) -> None:
+    """Write a study to begin with, as the options say."""
+    say(f"wrote {begin(options.name, options.like)}: meecontact run {options.name}")
+
+
+def show(options: argparse.Namespace) -> None:
+    """Print the names of a kind, as the options say."""
+    print(printable(listed(options.kind)))
 
 
 def begin(name: str, like: str | None = None) -> Path:

@@ -3,6 +3,7 @@
 import codecs
 import io
 import math
+import os
 import sys
 import unicodedata
 from argparse import ArgumentTypeError
@@ -12,7 +13,7 @@ from pathlib import Path
 from solver.units import in_si
 from storage.files import regular
 from workflow.language.spelling import nearest
-from workflow.study.reading import InputError, number, one_line
+from workflow.study.reading import InputError, located, number, one_line
 
 _SURROGATE = "surrogate.nc"
 #: What files beside a surrogate are.
@@ -69,7 +70,15 @@ codecs.register_error(_REPLACING, _replaced)
 
 def say(message: str) -> None:
     """Tell what was done: beside the answers, which go to standard output."""
-    print(one_line(message), file=sys.stderr)
+    try:
+        print(one_line(message), file=sys.stderr, flush=True)
+    except BrokenPipeError:  # a message that nobody reads does not stop the work
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+
+
+def printable(text: str) -> str:
+    """Lines whose names, which may come from a file, cannot command the terminal."""
+    return "\n".join(one_line(line) for line in text.split("\n"))
 
 
 def numbers(where: str, text: str) -> list[float]:
@@ -85,7 +94,7 @@ def numbers(where: str, text: str) -> list[float]:
 
 def quantity(where: str, text: str, units: str, factor: str = "") -> float:
     """Return a number in SI, with its unit or bare; a bare one is checked against the usual sizes of its factor."""
-    try:
+    with located(where):
         try:
             value = number(text)
         except ValueError:
@@ -97,8 +106,6 @@ def quantity(where: str, text: str, units: str, factor: str = "") -> float:
 
             check_bare(factor, value)
         return value
-    except ValueError as error:
-        raise InputError(f"{where}: {error}") from None
 
 
 def named(option: str, words: str | Sequence[str] | None, *, valued: bool = False) -> dict[str, str]:

@@ -28,7 +28,7 @@ from storage.sealed import PARTIAL, FormatError
 from workflow.run import lock, provenance
 from workflow.run.joblog import log
 from workflow.study.model import Study
-from workflow.study.refusals import Solved, labelled
+from workflow.study.refusals import Solved, assembled, labelled, selected, sizes
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import Snakemake
@@ -62,8 +62,8 @@ class CaseCache:
         def whole(factors: Mapping[str, Any]) -> xr.Dataset:
             cases = {name: labelled(name, value) for name, value in factors.items()}
             parts = list(_parts(study, cases))
-            answers = [self._piece(solved, question, _selected(cases, part)) for part in parts]
-            return answers[0] if len(answers) == 1 else _joined(cases, parts, answers)
+            answers = [self._piece(solved, question, selected(cases, part)) for part in parts]
+            return answers[0] if len(answers) == 1 else assembled(list(zip(parts, answers, strict=True)), sizes(cases))
 
         return whole
 
@@ -81,7 +81,7 @@ class CaseCache:
         """The answer of one piece, from its file if that is whole."""
         name = _digest(question, cases)
         path = self.folder / _OF_CASES / name[:2] / f"{name[2:]}.nc"
-        count = prod(_sizes(cases).values())
+        count = prod(sizes(cases).values())
         try:
             answer = _as_solved(read_whole(path, max_bytes=MOST_BYTES), name)
             os.utime(path)
@@ -161,9 +161,9 @@ def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
     dims = list(dict.fromkeys(str(dim) for name in names for dim in cases[name].dims))
     runs = {dim: _runs([cases[name] for name in names if dim in cases[name].dims], dim) for dim in dims}
     if not names:
-        first, sizes = next(iter(study.axes)), _sizes(cases)
-        dim, step = (first, 1) if first in sizes else (next(iter(sizes), ""), AT_A_TIME)
-        runs = {dim: [slice(k, k + step) for k in range(0, sizes[dim], step)]} if sizes else {}
+        first, lengths = next(iter(study.axes)), sizes(cases)
+        dim, step = (first, 1) if first in lengths else (next(iter(lengths), ""), AT_A_TIME)
+        runs = {dim: [slice(k, k + step) for k in range(0, lengths[dim], step)]} if lengths else {}
     for region in product(*runs.values()):
         yield dict(zip(runs, region, strict=True))
 
@@ -179,31 +179,6 @@ def _runs(factors: Sequence[xr.DataArray], dim: str) -> list[slice]:
 def _rows(factor: xr.DataArray, dim: str) -> Array:
     """A factor along one of its dimensions, at the first place of all others."""
     return np.asarray(factor.isel({other: 0 for other in factor.dims if other != dim}).values)
-
-
-def _sizes(cases: Mapping[str, xr.DataArray]) -> dict[str, int]:
-    return {str(dim): size for array in cases.values() for dim, size in array.sizes.items()}
-
-
-def _selected(cases: Mapping[str, xr.DataArray], part: _Part) -> dict[str, xr.DataArray]:
-    return {name: array.isel(part, missing_dims="ignore") for name, array in cases.items()}
-
-
-def _joined(cases: Mapping[str, xr.DataArray], parts: Sequence[_Part], answers: Sequence[xr.Dataset]) -> xr.Dataset:
-    """The answers of all pieces in one, without what some of them lack."""
-    sizes = _sizes(cases)
-    like = answers[0][[name for name in answers[0].data_vars if all(name in answer for answer in answers)]]
-    split = set(parts[0])
-    whole: dict[str, xr.Variable] = {}
-    for name, variable in like.variables.items():
-        if split & set(variable.dims):
-            values = np.empty([sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims], variable.dtype)
-            for part, answer in zip(parts, answers, strict=True):
-                values[tuple(part.get(str(dim), slice(None)) for dim in variable.dims)] = answer[name].values
-            variable = xr.Variable(variable.dims, values, variable.attrs)
-        whole[str(name)] = variable
-    coords = {name: variable for name, variable in whole.items() if name in like.coords}
-    return xr.Dataset({name: whole[str(name)] for name in map(str, like.data_vars)}, coords, like.attrs)
 
 
 def _write(answer: xr.Dataset, path: Path) -> None:

@@ -62,13 +62,6 @@ class Mask:
         return masked(xr.Dataset(), xr.Variable(self.axes, whole), list(self._numbers))
 
 
-def kept(cases: xr.Dataset) -> xr.Dataset:
-    """Cases over ``case`` without those that the solver refuses in any category; all of them where there is no mask."""
-    if REFUSAL not in cases:
-        return cases
-    return cases.drop_vars([REFUSAL, REASON]).isel(case=~refused(cases, ["case"]))
-
-
 def refused(data: xr.Dataset, axes: Sequence[str]) -> Flags:
     """Return the mask of places that are refused in any category, over `axes`."""
     if REFUSAL not in data:

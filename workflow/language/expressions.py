@@ -33,10 +33,6 @@ class Expression(ABC):
     def unit(self) -> units.Unit | None:
         """Unit in SI, None for a bare number; ValueError where unlike units are added."""
 
-    @abstractmethod
-    def children(self) -> tuple["Expression", ...]:
-        """The nodes below."""
-
     def evaluate(self, values: Mapping[str, Array]) -> Array:
         """Value alone."""
         return self.partials(values)[0]
@@ -56,8 +52,10 @@ class Expression(ABC):
     def walk(self) -> Iterator["Expression"]:
         """Itself and every node below."""
         yield self
-        for child in self.children():
-            yield from child.walk()
+        for part in vars(self).values():
+            for node in part if isinstance(part, tuple) else (part,):
+                if isinstance(node, Expression):
+                    yield from node.walk()
 
 
 @dataclass(frozen=True)
@@ -75,10 +73,6 @@ class Number(Expression):
         """Unit that stands behind it; None of a bare number: it takes the unit of what it is added to."""
         return self.measured_in
 
-    def children(self) -> tuple[Expression, ...]:
-        """None."""
-        return ()
-
 
 @dataclass(frozen=True)
 class Name(Expression):
@@ -94,10 +88,6 @@ class Name(Expression):
     def unit(self) -> units.Unit | None:
         """Unit of the interface."""
         return units.parse(units_of(self.name))
-
-    def children(self) -> tuple[Expression, ...]:
-        """None."""
-        return ()
 
 
 @dataclass(frozen=True)
@@ -132,10 +122,6 @@ class Operation(Expression):
         a, b = a or units.Unit.none(), b or units.Unit.none()
         return a * (b if self.symbol == "*" else b.power(Fraction(-1)))
 
-    def children(self) -> tuple[Expression, ...]:
-        """Both sides."""
-        return (self.left, self.right)
-
 
 @dataclass(frozen=True)
 class Power(Expression):
@@ -155,10 +141,6 @@ class Power(Expression):
         """The base's unit, raised."""
         inner = self.base.unit()
         return inner.power(Fraction(self.exponent)) if inner is not None else None
-
-    def children(self) -> tuple[Expression, ...]:
-        """The base."""
-        return (self.base,)
 
 
 @dataclass(frozen=True)
@@ -199,10 +181,6 @@ class Call(Expression):
         if self.function in ("log", "exp") and not inner[0].fits(units.Unit.none()):
             raise ValueError(f"{self.function} needs a pure number, not {str(inner[0])!r} (unit mismatch)")
         return inner[0].power(Fraction(1, 2)) if self.function == "sqrt" else inner[0]
-
-    def children(self) -> tuple[Expression, ...]:
-        """The arguments."""
-        return self.arguments
 
 
 def _combined(*parts: tuple[Any, Partials]) -> Partials:

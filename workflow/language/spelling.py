@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from workflow.language.wordings import RENAMED, TITLES
 
 _MANY = 20  # names, more than a reader looks through
+_NEAR = 0.65  # share of common letters: below it lie other words, as mass and base
 _BEGUN = 5  # letters of a name that is not written to its end
 
 
@@ -18,7 +19,7 @@ def suggested(name: str, known: Collection[str]) -> str | None:
     called |= {word: word for word in known}
     word = name.strip().replace(" ", "_")
     begun = [candidate for candidate in called if len(word) >= _BEGUN and candidate.startswith(word)]
-    near = sorted(begun, key=len) or get_close_matches(word, called, 1, 0.5)
+    near = sorted(begun, key=len) or get_close_matches(word, called, 1, _NEAR)
     return called[near[0]] if near else None
 
 

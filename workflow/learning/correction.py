@@ -22,7 +22,7 @@ from workflow.dataset import draws, factorial
 from workflow.learning.instruments import Instrument, shown
 from workflow.study import categories, uncertainty
 from workflow.study.model import Study
-from workflow.study.reading import InputError
+from workflow.study.reading import InputError, located
 from workflow.study.uncertainty import Constant, concerned, members, moved
 
 Unknown = Constant | Instrument
@@ -39,11 +39,6 @@ LARGER, SMALLER = 1.2, 0.8
 FEW = 10
 _COUNTED = (("rows", "row"), ("values", "measured value"))
 _RARE = 0.01  # chance of so few rows within their intervals from which on they disagree
-
-
-def understated(posterior: Learnt, output: int) -> bool:
-    """Return whether errors are reported as larger than stated."""
-    return posterior.scale(output)[1] > LARGER
 
 
 @dataclass(frozen=True)
@@ -455,12 +450,10 @@ class ConstantEffects:
 def _levels(study: Study, model: GaussianProcess) -> dict[str, Array]:
     """Levels of every factor, tabled ones first, as many as the surrogate's own outputs ask for."""
     films = bool(study.tabled)
-    try:
+    with located(f"{study.path}: effects of constants need too many cases", UnreachableError):
         pilot = explore(
             lambda axes: model.predict(axes, return_std=False), model.inputs_, _TOLERANCE[films], _BUDGET
         ).choice.counts
-    except UnreachableError as error:
-        raise InputError(f"{study.path}: effects of constants need too many cases: {error}") from None
     counts = {name: min(n if name in study.tabled else n + 1, _MOST_LEVELS) for name, n in pilot.items()}
     return {name: model.box[name].levels(counts[name]) for name in dict.fromkeys([*study.tabled, *counts])}
 

@@ -13,7 +13,7 @@ from workflow.learning import curves, training
 from workflow.study import grouped
 from workflow.study import model as studies
 from workflow.study.model import Study
-from workflow.study.reading import InputError
+from workflow.study.reading import InputError, located
 from workflow.study.sections import Axis, Group
 from workflow.study.target import Target
 
@@ -81,10 +81,8 @@ def _groups(study: Study, factors: Mapping[str, Axis]) -> dict[str, Group]:
     """The groups of a study, as they are written, with levels for wider factors; none of a study without any."""
     if not study.groups:
         return {}
-    try:
+    with located("design: the ranges are wider than the study's"):
         wider = grouped.axes(study.groups, factors, study.numbers)
-    except ValueError as error:
-        raise InputError(f"design: the ranges are wider than the study's: {error}") from None
     groups = {}
     for text, group in study.groups.items():
         name = grouped.product(text).name

@@ -15,7 +15,7 @@ from solver.names import COMPOSITES
 from solver.units import prefixed
 from storage.described import described
 from workflow.language.numbers import number
-from workflow.study.reading import InputError
+from workflow.study.reading import located
 from workflow.study.sections import UNITS, Measurement, ModelQuantity, ModelValue
 
 Case = Mapping[str, float | str]
@@ -131,10 +131,8 @@ def compared(measurements: Mapping[str, Measurement]) -> list[Row]:
 
 
 def _row(label: str, row: Measurement) -> Row:
-    try:
+    with located(f"measurements: {label}"):
         model, rivals = ([modelled(entry) for entry in group] for group in (row.model, row.rivals))
-    except ValueError as error:
-        raise InputError(f"measurements: {label}: {error}") from None
     verdict = judged(row, model, rivals)
     return {
         "name": label,
@@ -255,7 +253,7 @@ def _said(
     if off is None:
         return _without_error(row, model[0])
     if abs(off) > AGREES_WITHIN:
-        return "disagrees", _off(off) + _and(row.outside)
+        return "disagrees", _off(off) + (f": {row.outside}" if row.outside else "")
     return "agrees", _off(off) + _ruled_out(row, others)
 
 
@@ -271,10 +269,6 @@ def _without_error(row: Measurement, value: Spread) -> tuple[Word, str]:
     if row.outside:
         return "disagrees", row.outside
     return "cannot be told", f"no error is published; the model is {number(100 * (ratio - 1), 2)} % off"
-
-
-def _and(outside: str) -> str:
-    return f": {outside}" if outside else ""
 
 
 def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:

@@ -13,6 +13,7 @@ from workflow.report.svg import ACCENT, BAD, BODY, INK, PAPER, PUNCH, SOFT, TIP
 _WIDTH, _HEIGHT = 560, 250
 _SURFACE = 128.0  # height of the surface in the picture
 _WHOLE, _NEAR = (14.0, 206.0), (236.0, 546.0)  # from x to x: the punch whole, and its contact
+_BETWEEN = 221  # x between both
 _TOP, _LOW = 26.0, 222.0  # of either part
 _WORDS = 46  # letters that have room below the film
 _DEVICE = 84.0  # height of a whole punch
@@ -114,19 +115,30 @@ class Device:
 
 
 def draw(device: Device, title: str) -> str:
-    """The drawing as SVG."""
+    """The drawing as SVG, of two parts: the punch whole, and its contact."""
+    whole, near = _dimensions(device)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-size="14">',
         f"<title>{escape(title)}</title>",
-        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="{PAPER}"/>',
-        TIP,
-        *_part(device, _WHOLE, device._whole_scale),
-        *_part(device, _NEAR, device._near_scale),
-        *_loads(device),
-        *_dimensions(device),
+        *_placed(0, _BETWEEN, [*_part(device, _WHOLE, device._whole_scale), *_loads(device), *whole]),
+        *_placed(_BETWEEN, _WIDTH, [*_part(device, _NEAR, device._near_scale), *near]),
         "</svg>",
     ]
     return "\n".join(parts) + "\n"
+
+
+def _placed(left: int, right: int, parts: list[str]) -> list[str]:
+    """One part of the drawing between two places, which a page may set below the other."""
+    size = f'width="{right - left}" height="{_HEIGHT}"'
+    return [
+        f'<svg class="part" x="{left}" {size} viewBox="0 0 {right - left} {_HEIGHT}" font-size="14">',
+        f'<rect {size} fill="{PAPER}"/>',
+        TIP,
+        f'<g transform="translate({-left} 0)">',
+        *parts,
+        "</g>",
+        "</svg>",
+    ]
 
 
 def _part(device: Device, ends: tuple[float, float], scale: float) -> list[str]:
@@ -184,28 +196,31 @@ def _loads(device: Device) -> list[str]:
     ]
 
 
-def _dimensions(device: Device) -> list[str]:
-    """Radius or width, contact and thickness with their numbers, and the magnification."""
+def _dimensions(device: Device) -> tuple[list[str], list[str]]:
+    """Numbers of either part: radius or width; contact and thickness, and the magnification."""
     middle, near = sum(_WHOLE) / 2, sum(_NEAR) / 2
     half = device.contact * device._near_scale / 2
     name = _SIZES.get(device.profile, "R = ")
     size = number(device.size, 3) if device.profile in _ENDLESS else shown(device.size, "m", 3)
     extent = f"a = {shown(device.trailing, 'm', 3)}" if device.point else shown(device.contact, "m", 3)
-    parts = [
+    whole = [
         _sized(device, middle, name + size),
         _text(_WHOLE[0], _HEIGHT - 10, "to scale", SOFT, "start"),
         *_bar(device._whole_scale),
+    ]
+    parts = [
         _text(_NEAR[0], _HEIGHT - 10, f"the contact, at {number(device.magnified, 2)} times that scale", SOFT, "start"),
         *([_span(near if device.point else near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
         _extent(device, near, extent),
     ]
     if device.thickness is None:
-        return [*parts, _text(_NEAR[0] + 8, _LOW - 10, "half-space" if device.point else "half-plane", SOFT, "start")]
+        body = "half-space" if device.point else "half-plane"
+        return whole, [*parts, _text(_NEAR[0] + 8, _LOW - 10, body, SOFT, "start")]
     interface = _SURFACE + device.thickness * device._near_scale
     place, below = _NEAR[1] - 14, ", grounded electrode between" if device.grounded else ""
     below = below if len(device.base + below) <= _WORDS else ", electrode"
     words = (_SURFACE + interface) / 2 + 5 if interface - _SURFACE > _LINE else interface + _LINE - 4
-    return [
+    return whole, [
         *parts,
         f'<path d="M{place} {_SURFACE} V{interface:.2f}" {_BOTH_ENDS}/>',
         _text(place - 8, words, f"film {shown(device.thickness, 'm', 3)}", INK, "end"),

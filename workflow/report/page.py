@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,9 @@ from workflow.dataset.slabs import CARD
 from workflow.design.verdict import leftout, netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
-from workflow.language.titles import capital, in_words, title
+from workflow.language.titles import capital, in_words, listed, title
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, problem, ranked, sections, sentences, tables, whatif
+from workflow.report import firstscreen, ranked, sections, sentences, symbols, tables, whatif
 from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
@@ -43,6 +44,8 @@ _MEANINGS = {
 _COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
 _LEAST = 1e-5  # share that is told
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
+_TOP, _BOTTOM = 150, 294  # of all layers in it
+_SHOWN = 0.72  # share of its width at which a page shows a drawing: letters as large as those of the text
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
@@ -53,32 +56,18 @@ CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
 
 
+TITLE = "A conducting punch slides on a magneto-electro-elastic half-plane"
+ON_FILM = "A conducting punch slides on a film on its base"
+ON_LAYERS = "A conducting punch slides on layers on their base"
+AT_POINT = "A conducting ball is pressed into a body"
+
+
 def page(
     study: Study, name: str, folder: Path, figures: list[Path], provenance: Path, levels: Sequence[str | Path] = ()
 ) -> str:
     """The page as text."""
     card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.globals |= {"figures_of": ranked.names, "most_left_out": leftout.MOST}
-    environment.filters |= {
-        "number": number,
-        "seconds": _seconds,
-        "words": _words,
-        "title": title,
-        "capital": capital,
-        "share": _share,
-        "spoken": in_words,
-        "unbroken": firstscreen.unbroken,
-        "si": shown,
-        "counted": counted,
-    }
     content: dict[str, Any] = {
         "study": study,
         "name": name,
@@ -109,8 +98,9 @@ def page(
         "readouts": [],
         "signal": None,
         "beside": None,
-        "scripts": [_script(name) for name in _SCRIPTS],
+        "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
+        "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
         "effects_table": tables.effects(study, folder) if study.effects else [],
         "spans": None,
         "sobol": [],
@@ -123,6 +113,7 @@ def page(
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))
+        content["distributed"] = listed([title(name) for name in study.distributions])
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in names]
@@ -142,17 +133,41 @@ def page(
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
         content["signal"] = pressed = tables.signal(folder)
-        content["beside"] = _beside(study, pressed) if study.signal.case else None
+        content["beside"] = (
+            firstscreen.card(study, pressed, pressed["held"], pressed["left_out"]) if study.signal.case else None
+        )
     if study.effects:
         drawn = ranked.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content)
     content |= {"parts": sections.standing(content), "page": content}
-    return environment.get_template("report.html.j2").render(content)
+    return _environment().get_template("report.html.j2").render(content)
 
 
-def _beside(study: Study, pressed: Mapping[str, Any]) -> firstscreen.Card:
-    return firstscreen.card(study, pressed, pressed["held"], pressed["left_out"])
+@cache
+def _environment() -> Environment:
+    """Templates of the page, with what they call."""
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals |= {"figures_of": ranked.names, "most_left_out": leftout.MOST}
+    environment.filters |= {
+        "number": number,
+        "seconds": _seconds,
+        "words": _words,
+        "title": title,
+        "capital": capital,
+        "share": _share,
+        "spoken": in_words,
+        "unbroken": firstscreen.unbroken,
+        "si": shown,
+        "counted": counted,
+    }
+    return environment
 
 
 def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, str]:
@@ -188,22 +203,22 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
 
 def _problem(study: Study) -> Markup:
     """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
-    effects = study.effects
+    effects, layers = study.effects, _layers(study) or ["film"]
     if study.kind.contact == "point":
-        layers = (_layers(study) or ["film"]) if study.kind.layered else []
-        return element(problem.point(layers), "film" if layers else "problem", problem.AT_POINT)
+        return _on_layers(layers if study.kind.layered else [], AT_POINT, point=True)
     of_films = study.kind.layered or (effects is not None and "thickness" in effects.baseline)
-    with_film = effects is not None and bool(effects.film)
-    drawings = [] if of_films else [element(problem.draw(), "problem", problem.TITLE)]
-    drawings += [_film(study)] if of_films or with_film else []
+    half_plane = (TEMPLATES / "halfplane.svg").read_text(encoding="utf-8")
+    drawings = [] if of_films else [element(half_plane, "problem", TITLE, _SHOWN)]
+    if of_films or (effects is not None and effects.film):
+        drawings.append(_on_layers(layers, ON_LAYERS if len(layers) > 1 else ON_FILM))
     return Markup("\n").join(drawings)
 
 
-def _film(study: Study) -> Markup:
-    """The drawing of a film, or of a body's layers while there is room for their names."""
-    names = _layers(study)
-    title = problem.ON_LAYERS if len(names) > 1 else problem.ON_FILM
-    return element(problem.one_film(names or ["film"]), "film", title)
+def _on_layers(layers: Sequence[str], title: str, *, point: bool = False) -> Markup:
+    """The drawing of a contact on layers from the top down, or on a half-space."""
+    edges = [round(_TOP + (_BOTTOM - _TOP) * number / max(len(layers), 1)) for number in range(len(layers) + 1)]
+    drawn = _environment().get_template("film.svg.j2").render(title=title, layers=layers, edges=edges, point=point)
+    return element(drawn, "film" if layers else "problem", title, _SHOWN)
 
 
 def _layers(study: Study) -> list[str]:
@@ -228,11 +243,6 @@ def _figure(path: Path) -> dict[str, Any]:
     caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
     alt = f"{kind} {target.replace('_', ' ')}: {caption}".replace(" :", ":")
     return {"caption": caption, "svg": inlined(path, alt), "name": path.stem, "kind": kind}
-
-
-def _script(name: str) -> Markup:
-    """A script of ours, to stand inside the page, without its comments and indents."""
-    return Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8")))
 
 
 def _seconds(value: float) -> str:

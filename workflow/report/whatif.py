@@ -212,7 +212,7 @@ def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
 #: Quantities that give the contact pressure of a circular punch in closed form.
 _PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
 #: What the means of a surrogate need; the rest is for intervals.
-_OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "cores", "factors", "offset", "scale", "correction")
+_OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "trains")
 
 
 def drawable(study: Study) -> bool:

@@ -80,7 +80,7 @@ rule sensitivity:
     output:
         "results/{study}/sensitivity.nc",
     params:
-        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance"),
+        study=sections(*PHYSICS, "dataset", "surrogate", "validation.tolerance", "design"),
         code=provenance.code("workflow/scripts/sensitivity.py"),
     log:
         "logs/{study}/sensitivity.log",

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ROOMS = ("approximation", "storage", "solver", "surrogate", "workflow", "verification")
 
 #: Endings of the data files that a job may read beside its modules.
-DATA = (".toml", ".j2", ".js", ".css")
+DATA = (".toml", ".j2", ".js", ".css", ".svg")
 
 
 class ChangedError(RuntimeError):

@@ -3,11 +3,9 @@
 from pathlib import Path
 
 from workflow.dataset import batches, casecache
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-config = planned.study(snakemake)
+snakemake, config = planned.start(globals())
 with casecache.of(snakemake) as cache:
     batches.write_slab(
         config, Path(snakemake.input[0]), int(snakemake.wildcards.slab), Path(snakemake.output[0]), cache

@@ -5,12 +5,11 @@ from pathlib import Path
 
 from storage.files import write_text
 from workflow.dataset import datacard, levels
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
+snakemake, config = planned.start(globals())
 name = snakemake.wildcards.study
-config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(config, snakemake.input.levels)
 slabs = [Path(slab) for slab in snakemake.input.slabs]
 kind = "batch" if config.crossed else "slab"
 times = [Path(snakemake.log[0]).with_name(kind) / f"{slab.stem.removeprefix('slab_')}.tsv" for slab in slabs]

@@ -4,11 +4,9 @@ from pathlib import Path
 
 from storage.netcdf import write_whole
 from workflow.dataset import casecache, factorial
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-config = planned.study(snakemake)
+snakemake, config = planned.start(globals())
 output = Path(snakemake.output[0])
 with casecache.of(snakemake) as cache:
     write_whole(factorial.cases(config, output.stem, cache), output)

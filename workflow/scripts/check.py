@@ -4,11 +4,10 @@ from pathlib import Path
 
 from storage.files import write_text
 from verification import GROUPS, Sizes
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-sizes = planned.study(snakemake).verification
+snakemake, config = planned.start(globals())
+sizes = config.verification
 assert sizes is not None
 findings = GROUPS[snakemake.wildcards.group](Sizes(**sizes.model_dump()))
 write_text(Path(snakemake.output[0]), findings.to_json())

@@ -9,6 +9,6 @@ from workflow.design.wording import table
 from workflow.run import joblog
 
 snakemake = joblog.start(globals())
-designs = [read_whole(Path(answer)) for answer in snakemake.input]
-write_whole(netcdf.together(designs), Path(snakemake.output.nc))
+designs = [read_whole(answer) for answer in snakemake.input]
+write_whole(netcdf.together(designs), snakemake.output.nc)
 write_text(Path(snakemake.output.csv), table.as_csv(map(netcdf.answer_of, designs)))

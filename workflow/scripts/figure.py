@@ -14,11 +14,11 @@ snakemake = joblog.start(globals())
 with ExitStack() as stack:
     data: Any
     if snakemake.params.slabs:
-        data = [stack.enter_context(read_whole(Path(file), lazy=True)) for file in snakemake.input]
+        data = [stack.enter_context(read_whole(file, lazy=True)) for file in snakemake.input]
     elif Path(snakemake.input[0]).suffix == ".json":
         data = json.loads(Path(snakemake.input[0]).read_text(encoding="utf-8"))
     else:
-        data = read_whole(Path(snakemake.input[0]))
+        data = read_whole(snakemake.input[0])
     for (draw, arguments), file in zip(snakemake.params.draw, snakemake.output, strict=True):
         module, _, name = draw.partition(".")
         function = getattr(import_module(f"workflow.report.figures.{module}"), name)

@@ -7,12 +7,10 @@ from storage.files import write_text
 from workflow.design.verdict import netcdf
 from workflow.report import ranked
 from workflow.report.figures import design_plots, style
-from workflow.run import joblog
 from workflow.study import coupling, planned
 
-snakemake = joblog.start(globals())
-study = planned.study(snakemake)
-target = study.design[snakemake.wildcards.name]
+snakemake, config = planned.start(globals())
+target = config.design[snakemake.wildcards.name]
 folder = Path(snakemake.output[0])
 folder.mkdir(exist_ok=True)
 answer = netcdf.read(Path(snakemake.input[0]))

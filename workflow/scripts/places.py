@@ -5,10 +5,8 @@ from pathlib import Path
 from storage.netcdf import read_whole
 from workflow.dataset import batches
 from workflow.learning import training
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-config = planned.study(snakemake)
-solved = [read_whole(Path(slab)) for slab in snakemake.input]
+snakemake, config = planned.start(globals())
+solved = [read_whole(slab) for slab in snakemake.input]
 batches.write_places(config, training.places(config, solved), Path(snakemake.output[0]))

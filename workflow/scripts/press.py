@@ -5,11 +5,9 @@ from pathlib import Path
 from storage.netcdf import write_whole
 from workflow.design.verdict import leftout, netcdf
 from workflow.device import pressed
-from workflow.run import joblog
 from workflow.study import planned, signal_case
 
-snakemake = joblog.start(globals())
-config = planned.study(snakemake)
+snakemake, config = planned.start(globals())
 assert config.signal is not None  # the rule is of studies that have it
 if config.signal.case:
     contact = signal_case.of(config)
@@ -24,4 +22,4 @@ else:
     answer = netcdf.read(Path(snakemake.input[0]))
     case = {**config.fixed, **answer.combination, **answer.case}
     shown = pressed.signal(config.narrowed(answer.combination), config.signal, case)
-write_whole(shown, Path(snakemake.output[0]))
+write_whole(shown, snakemake.output[0])

@@ -1,7 +1,5 @@
 """Rule quantities: every quantity of the factorial, gathered from its slabs."""
 
-from pathlib import Path
-
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole, write_whole
 from workflow.dataset.slabs import gather
@@ -9,5 +7,5 @@ from workflow.run import joblog
 from workflow.study.refusals import REASON, REFUSAL
 
 snakemake = joblog.start(globals())
-slabs = [read_whole(Path(slab), names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in snakemake.input]
-write_whole(gather(slabs), Path(snakemake.output[0]))
+slabs = [read_whole(slab, names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in snakemake.input]
+write_whole(gather(slabs), snakemake.output[0])

@@ -5,14 +5,13 @@ from pathlib import Path
 from storage.files import write_text
 from workflow.dataset import levels
 from workflow.report import page as report
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
+snakemake, config = planned.start(globals())
 output = Path(snakemake.output[0])
 name = snakemake.wildcards.study
 figures = [Path(figure) for figure in snakemake.input.figures]
 figures += [figure for folder in snakemake.input.folders for figure in sorted(Path(folder).glob("*.svg"))]
-config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
+config = levels.with_levels(config, snakemake.input.levels)
 page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance), snakemake.input.levels)
 write_text(output, page)

@@ -3,10 +3,9 @@
 from pathlib import Path
 
 from workflow.dataset import casecache, levels, slabs
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
+snakemake, config = planned.start(globals())
+config = levels.with_levels(config, snakemake.input.levels)
 with casecache.of(snakemake) as cache:
     slabs.write_slab(config, int(snakemake.wildcards.slab), Path(snakemake.output[0]), cache)

@@ -6,11 +6,10 @@ from storage.netcdf import write_whole
 from surrogate import save
 from workflow.dataset import levels
 from workflow.learning import surface
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
+snakemake, config = planned.start(globals())
+config = levels.with_levels(config, snakemake.input.levels)
 model = surface.fit(config)
 save(model, Path(snakemake.output.model))
-write_whole(surface.validate(config, model), Path(snakemake.output.validation))
+write_whole(surface.validate(config, model), snakemake.output.validation)

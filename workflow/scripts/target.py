@@ -1,15 +1,11 @@
 """Rule target: one design target, found on the surrogate and solved again exactly."""
 
-from pathlib import Path
-
 from storage.netcdf import write_whole
 from surrogate import load
 from workflow.design.search import targets
 from workflow.design.verdict import netcdf
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-config = planned.study(snakemake)
+snakemake, config = planned.start(globals())
 answer = targets.solve_target(config, snakemake.wildcards.name, load(snakemake.input[0]))
-write_whole(netcdf.entire(answer), Path(snakemake.output[0]))
+write_whole(netcdf.entire(answer), snakemake.output[0])

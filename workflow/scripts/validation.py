@@ -8,15 +8,14 @@ from storage.netcdf import read_whole, write_whole
 from surrogate import load
 from workflow.dataset import levels
 from workflow.learning import curves, timing, training
-from workflow.run import joblog
 from workflow.study import planned
 
-snakemake = joblog.start(globals())
-config = levels.with_levels(planned.study(snakemake), snakemake.input.levels)
-quantities = read_whole(Path(snakemake.input.quantities))
+snakemake, config = planned.start(globals())
+config = levels.with_levels(config, snakemake.input.levels)
+quantities = read_whole(snakemake.input.quantities)
 model = load(snakemake.input.surrogate)
-cases = read_whole(Path(snakemake.input.cases))
-write_whole(training.validate(config, quantities, cases, model), Path(snakemake.output.validation))
+cases = read_whole(snakemake.input.cases)
+write_whole(training.validate(config, quantities, cases, model), snakemake.output.validation)
 quantities = curves.joined(config, quantities, snakemake.input.slabs)
 times = timing.timing(config, quantities, cases, model)
 write_text(Path(snakemake.output.timing), json.dumps(times, indent=2) + "\n")

@@ -7,6 +7,7 @@ from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
 from workflow.study import signal_case
 from workflow.study.contents import Contents
+from workflow.study.reading import located
 from workflow.study.sections import Readout
 from workflow.study.target import Target
 
@@ -108,10 +109,8 @@ def check_target(study: Contents, where: str, target: Target) -> None:
         _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
     for name in (name for name in target.constants() if name not in study.factors):
         for narrowed in study.chosen(target):
-            try:
+            with located(where):
                 narrowed.constant(name)
-            except ValueError as error:
-                raise ValueError(f"{where}: {error}") from None
 
 
 def _check_tolerance(study: Contents, where: str, name: str, target: Target) -> None:

@@ -23,7 +23,7 @@ from workflow.study.allowable import MADE_OF, Allowable, allowable
 from workflow.study.categories import Combination, combinations, output
 from workflow.study.keys import PHYSICS, Keys, Origin, digest
 from workflow.study.sections import Axis, Device
-from workflow.study.target import Target
+from workflow.study.target import Distribution, Target
 
 
 class Contents(Keys):
@@ -72,6 +72,12 @@ class Contents(Keys):
         """Distinct surroundings of the cases: names of the factor ``surroundings``."""
         usual = self.fixed.get("surroundings", CHOICES["surroundings"][0])
         return self.categories.get("surroundings", [str(usual)])
+
+    @property
+    def distributions(self) -> dict[str, Distribution]:
+        """Distributions of factors that design questions state, for each factor the first."""
+        stated = [target.uncertain for target in reversed(self.design.values())]
+        return {name: distribution for part in stated for name, distribution in part.items()}
 
     @property
     def stores_fields(self) -> bool:

@@ -21,6 +21,7 @@ from workflow.language.expressions import Expression, Name, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.grammar import parse
 from workflow.language.spelling import nearest
+from workflow.study.reading import located
 from workflow.study.sections import Axis, Group
 
 _SAME = 1e-9
@@ -51,11 +52,9 @@ def product(text: str) -> Product:
     for name in re.findall(r"[^\W\d]\w*\b(?!\s*\()", text):
         if name not in FACTORS:
             raise ValueError(f"groups: {text!r}: {name!r} is no factor; {nearest(name, list(FACTORS))}")
-    try:
+    with located("groups"):
         tree = parse(text, "point")  # where the name force is no figure of a device, but a factor
         powers = {name: power for name, power in _powers(text, tree).items() if power}
-    except ValueError as error:
-        raise ValueError(f"groups: {error}") from None
     if not powers:
         raise ValueError(f"groups: {text!r}: is 1")
     if max(map(abs, powers.values())) > _LARGEST_POWER:

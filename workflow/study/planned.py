@@ -4,8 +4,9 @@ Snakemake reads a study once and records its digests. A job that read an edited 
 study under the digest of the old one, and the next run would find nothing to be done.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from workflow.run import lock
 from workflow.study import model as studies
@@ -21,6 +22,14 @@ def parameter(study: Study, *sections: str) -> str:
     """A parameter of a rule that changes when sections of the study change."""
     names = sections or tuple(Study.model_fields)
     return f"{' '.join(names)}: {study.digest(*names)}"
+
+
+def start(script: Mapping[str, Any]) -> tuple["Snakemake", Study]:
+    """Snakemake's job of a script from its ``globals()``, its log begun, and the study that it was planned with."""
+    from workflow.run import joblog  # for jobs, not for the Snakefile
+
+    job = joblog.start(script)
+    return job, study(job)
 
 
 def study(job: "Snakemake") -> Study:

@@ -2,7 +2,8 @@
 
 import re
 import unicodedata
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
@@ -42,6 +43,15 @@ _NOT_OF_TYPE = ("list_type", "dict_type", "string_type")
 
 class InputError(ValueError):
     """Bad input, in one line that names file, key, value and what is allowed."""
+
+
+@contextmanager
+def located(where: object, refusal: type[Exception] | tuple[type[Exception], ...] = ValueError) -> Iterator[None]:
+    """Raise a refusal as InputError that opens with its place."""
+    try:
+        yield
+    except refusal as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def one_line(message: str) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from solver import CaseError, FactorError
 
@@ -51,8 +51,8 @@ def answered(solved: Solved, factors: Mapping[str, Any], most: float = np.inf) -
     except CaseError as error:
         first = error
     cases = {name: labelled(name, value) for name, value in factors.items()}
-    whole = _everywhere(cases)
-    sizes = {dim: _length(part) for dim, part in whole.items()}
+    whole_sizes = sizes(cases)
+    whole = {dim: slice(0, size) for dim, size in whole_sizes.items()}
     parts, count = [], 0
     for region, part in _parts(solved, cases, whole, first):
         parts.append((region, part))
@@ -60,8 +60,8 @@ def answered(solved: Solved, factors: Mapping[str, Any], most: float = np.inf) -
         if count > most:
             raise HolesError(str(part))
     if count == len(parts):
-        raise AllRefusedError(_masked(xr.Dataset(), list(sizes), sizes, parts))
-    return _whole(cases, sizes, parts)
+        raise AllRefusedError(_masked(xr.Dataset(), list(whole_sizes), whole_sizes, parts))
+    return _whole(cases, whole_sizes, parts)
 
 
 def refused(
@@ -69,16 +69,12 @@ def refused(
 ) -> tuple[dict[str, Any], FactorError]:
     """Return factors and reason of one refused case, searched by halves; None if cases are refused only together."""
     cases = {name: labelled(name, value) for name, value in factors.items()}
-    parts = _parts(solved, cases, _everywhere(cases), reason, FactorError)
+    whole = {dim: slice(0, size) for dim, size in sizes(cases).items()}
+    parts = _parts(solved, cases, whole, reason, FactorError)
     for region, part in parts:
         if isinstance(part, FactorError):
-            case = {name: array.isel(region, missing_dims="ignore") for name, array in cases.items()}
-            return {name: array.item() for name, array in case.items()}, part
+            return {name: array.item() for name, array in selected(cases, region).items()}, part
     return {}, reason
-
-
-def _everywhere(cases: _Cases) -> _Region:
-    return {str(dim): slice(0, size) for array in cases.values() for dim, size in array.sizes.items()}
 
 
 def _parts(
@@ -98,7 +94,7 @@ def _parts(
     for half_slice in (slice(whole.start, middle), slice(middle, whole.stop)):
         half = {**region, longest: half_slice}
         try:
-            answer = solved({name: array.isel(half, missing_dims="ignore") for name, array in cases.items()})
+            answer = solved(selected(cases, half))
         except refusal as error:
             yield from _parts(solved, cases, half, error, refusal)
         else:
@@ -109,44 +105,59 @@ def _length(part: slice) -> int:
     return int(part.stop - part.start)
 
 
-def _whole(cases: _Cases, sizes: Mapping[str, int], parts: Sequence[_Part]) -> xr.Dataset:
+def _whole(cases: _Cases, whole_sizes: Mapping[str, int], parts: Sequence[_Part]) -> xr.Dataset:
     """The parts put together, NaN where the solver refuses, and the mask with its reasons."""
-    solved = [(region, part) for region, part in parts if isinstance(part, xr.Dataset)]
-    like = solved[0][1]
-    shared = [name for name in like.data_vars if all(name in part for _, part in solved)]
-    dims = [str(dim) for dim in (like[shared[0]].dims if shared else sizes) if dim in sizes]
-    whole = like[shared].drop_dims([dim for dim in dims if dim in like.dims])
+    whole = assembled([(region, part) for region, part in parts if isinstance(part, xr.Dataset)], whole_sizes)
+    dims = next(([*map(str, array.dims)] for array in whole.data_vars.values()), list(whole_sizes))
+    given = {name: _given(cases[name], whole[name].variable) for name in map(str, whole.coords) if name in cases}
+    whole = whole.assign_coords({name: value for name, value in given.items() if set(value.dims) & {*whole_sizes}})
+    return _masked(whole, [dim for dim in dims if dim in whole_sizes], whole_sizes, parts)
+
+
+def assembled(parts: Sequence[tuple[_Region, xr.Dataset]], whole_sizes: Mapping[str, int]) -> xr.Dataset:
+    """Cases of several regions in one data set, without what a part lacks; NaN where no part lies."""
+    first_region, first = parts[0]
+    shared = first[[name for name in first.data_vars if all(name in part for _, part in parts)]]
     variables: dict[str, xr.Variable] = {}
-    for name in [*shared, *(coordinate for coordinate in like.coords if set(like[coordinate].dims) & set(dims))]:
-        variable = like[name]
-        shape = [sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims]
-        if name in like.coords:
-            values = _given(cases[str(name)], variable, shape) if name in cases else np.full(shape, np.nan)
-        else:
-            values = np.full(shape, np.nan)
-        for region, part in solved:
-            values[tuple(region.get(str(dim), slice(None)) for dim in variable.dims)] = part[name].values
-        variables[str(name)] = xr.Variable(variable.dims, values, variable.attrs)
-    whole = whole.assign_coords({name: variables[name] for name in map(str, like.coords) if name in variables})
-    whole = whole.assign({name: variables[name] for name in map(str, shared)})
-    return _masked(whole, dims, sizes, parts)
+    for name, variable in shared.variables.items():
+        if not set(first_region).isdisjoint(map(str, variable.dims)):
+            shape = [whole_sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims]
+            values = np.full(shape, np.nan if variable.dtype.kind == "f" else 0, variable.dtype)
+            for region, part in parts:
+                values[tuple(region.get(str(dim), slice(None)) for dim in variable.dims)] = part[name].values
+            variable = xr.Variable(variable.dims, values, variable.attrs)
+        variables[str(name)] = variable
+    coords = {name: variable for name, variable in variables.items() if name in shared.coords}
+    return xr.Dataset({name: variables[name] for name in map(str, shared.data_vars)}, coords, shared.attrs)
 
 
-def _masked(data: xr.Dataset, dims: Sequence[str], sizes: Mapping[str, int], parts: Sequence[_Part]) -> xr.Dataset:
+def sizes(cases: _Cases) -> dict[str, int]:
+    """Length of every dimension of some cases."""
+    return {str(dim): size for array in cases.values() for dim, size in array.sizes.items()}
+
+
+def selected(cases: _Cases, region: Mapping[str, slice]) -> dict[str, xr.DataArray]:
+    """The cases of a region."""
+    return {name: array.isel(region, missing_dims="ignore") for name, array in cases.items()}
+
+
+def _masked(
+    data: xr.Dataset, dims: Sequence[str], whole_sizes: Mapping[str, int], parts: Sequence[_Part]
+) -> xr.Dataset:
     """Data with the mask of the refused parts."""
     refused = [(region, str(part)) for region, part in parts if isinstance(part, FactorError)]
     numbers = {reason: k for k, reason in enumerate(dict.fromkeys(reason for _, reason in refused), 1)}
-    mask = np.zeros([sizes[dim] for dim in dims], dtype=np.int32)
+    mask = np.zeros([whole_sizes[dim] for dim in dims], dtype=np.int32)
     for region, reason in refused:
         mask[tuple(region[dim] for dim in dims)] = numbers[reason]
     return masked(data, xr.Variable(dims, mask), list(numbers))
 
 
-def _given(array: xr.DataArray, like: xr.DataArray, shape: Sequence[int]) -> NDArray[Any]:
+def _given(array: xr.DataArray, like: xr.Variable) -> xr.Variable:
     """A factor's values over the dimensions of a coordinate."""
-    dims = [dim for dim in like.dims if dim in array.dims]
-    values = array.transpose(*dims).values.reshape([array.sizes.get(dim, 1) for dim in like.dims])
-    return np.broadcast_to(values, shape).copy()
+    values = array.transpose(*(dim for dim in like.dims if dim in array.dims)).values
+    values = values.reshape([array.sizes.get(dim, 1) for dim in like.dims])
+    return xr.Variable(like.dims, np.broadcast_to(values, like.shape).copy(), like.attrs)
 
 
 def masked(data: xr.Dataset, mask: xr.Variable, reasons: Sequence[str]) -> xr.Dataset:

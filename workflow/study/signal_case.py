@@ -7,6 +7,7 @@ from solver.face.factors import checked
 from solver.face.materials import material_of
 from workflow.study import defaults
 from workflow.study.contents import Contents
+from workflow.study.reading import located
 
 Whole = TypeVar("Whole", bound=Contents)
 
@@ -32,11 +33,9 @@ def check(study: Contents) -> None:
     """Raise ValueError, in one line, unless the factors are those of a contact that an amplifier may read."""
     assert study.signal is not None
     contact = of(study)
-    try:
+    with located("signal: case"):
         force = contact.kind.loads.force
         material_of(Cases(checked({force: study.signal.force, **contact.fixed}), contact.own_materials, study.phases))
-    except ValueError as error:
-        raise ValueError(f"signal: case: {error}") from None
     kind = contact.kind
     if kind.datum == "relative" or "charge_per_force" not in kind.quantities:
         raise ValueError("signal: case: a film, or a point contact, has a charge to be read; this has none")
@@ -45,7 +44,5 @@ def check(study: Contents) -> None:
             raise ValueError(f"signal: case: {name}: the press gives the force, and the circuit the charge")
     if contact.device is None or contact.device.amplifier is None:
         raise ValueError("signal: needs device: amplifier")
-    try:
+    with located("signal: device"):
         contact.device.check(kind.contact)
-    except ValueError as error:
-        raise ValueError(f"signal: device: {error}") from None

@@ -18,6 +18,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.given import DESTROYED
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
+from workflow.study.reading import located
 from workflow.study.refusals import MOST, REASON, REFUSAL, AllRefusedError, HolesError, answered
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
 
@@ -35,10 +36,8 @@ def check_contact(study: Contents) -> None:
     if len({PROFILES[name].contact for name in profiles if name in PROFILES}) > 1:
         raise ValueError(f"categories: profile: {', '.join(profiles)}: lines and points need a study each")
     if study.device is not None:
-        try:
+        with located("device"):
             study.device.check(study.kind.contact)
-        except ValueError as error:
-            raise ValueError(f"device: {error}") from None
 
 
 def check_groups(study: Contents) -> None:
@@ -177,10 +176,8 @@ def lacked(study: Contents) -> frozenset[str]:
 
 def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:
     """The answers at some stored cases of a study with groups, which may leave the box of its factors."""
-    try:
+    with located("groups: in a corner of their ranges"):
         return _answered(study, {**study.fixed, **study.categories, **cases})
-    except ValueError as error:
-        raise ValueError(f"groups: in a corner of their ranges: {error}") from None
 
 
 def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:

@@ -14,6 +14,7 @@ from workflow.language import statements, statistics
 from workflow.language.constants import CONSTANTS, Meeting
 from workflow.language.factors import FACTORS
 from workflow.language.given import size
+from workflow.study.reading import located
 from workflow.study.types import BY_FACTOR, FactorName, Given, InputName, Interval, Number, Strict
 
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean
@@ -229,10 +230,8 @@ class Target(Strict):
                     f"tolerance: {name}: is not one of the design variables: {', '.join(self.variables)}; "
                     "what is given and yet uncertain stands in worst_case, as low and high"
                 )
-            try:
+            with located(f"tolerance: {name}"):
                 _, share = self.tolerances[name]
-            except ValueError as error:
-                raise ValueError(f"tolerance: {name}: {error}") from None
             if not isinstance(tolerance, str) and not tolerance > 0:
                 raise ValueError(f"tolerance: {name}: {tolerance:g} is not a positive number")
             if share >= 1:

@@ -6,13 +6,14 @@ elastic material has Young's modulus and Poisson's ratio instead; that has 0.02,
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Material, find
+from solver import Material, MaterialError, find
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import MIXTURES
 from solver.stack.layers import RIGID
@@ -34,7 +35,7 @@ USUAL, POISSON = 0.05, 0.02
 #: Prior standard deviation of the logarithm of one constant beside its family, at least.
 OWN = 0.03
 _STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
-_WIDE = 0.3  # prior standard deviation from which a constant is moved by all of it, not to first order
+_WIDE = 0.3  # prior standard deviation from which the alternatives are solved: a first-order product would mislead
 _MOST_OWN = 0.1  # of a scatter: variants that differ more are other materials
 _ELASTIC = {"modulus": FAMILIES["stiffness"], "poisson": FAMILIES["stiffness"]}
 _VACUUM = {"permittivity": VACUUM_PERMITTIVITY, "permeability": VACUUM_PERMEABILITY}
@@ -56,6 +57,11 @@ class Constant:
         return f"{self.material} {self.family}"
 
     @property
+    def members(self) -> tuple[str, ...]:
+        """Names of the constants of its family."""
+        return (FAMILIES | _ELASTIC).get(self.family, (self.family,))
+
+    @property
     def prior(self) -> str:
         """The prior in words."""
         return f"+-{self.std:g}" if self.family == "poisson" else f"+-{100 * self.std:.3g} %"
@@ -71,8 +77,7 @@ class Constant:
             other = Material.isotropic(young, poisson + self.std * z, name=material.name)
             changed: dict[str, Any] = {name: getattr(other, name) for name in FAMILIES["stiffness"]}
         else:
-            names = (FAMILIES | _ELASTIC).get(self.family, (self.family,))
-            changed = {name: getattr(material, name) * np.exp(self.std * z) for name in names}
+            changed = {name: getattr(material, name) * np.exp(self.std * z) for name in self.members}
         moved = replace(material, **changed, alternatives=())
         moved.check()
         return moved
@@ -124,18 +129,38 @@ def sensitivities(
 ) -> NDArray[np.float64]:
     """Relative changes of some values by one prior standard deviation of each constant, (value, constant).
 
-    Each constant is moved by itself, up and down by a tenth of its standard deviation. A constant whose published
-    values differ by more than 30 % is moved by its whole standard deviation.
+    Each constant is moved by itself, up and down by a tenth of its standard deviation. Where the published values of a
+    family differ by more than 30 %, each alternative is solved, and the largest change counts.
     """
     nominal = values(study)
     shares = np.empty((len(nominal), len(constants)))
     for column, constant in enumerate(constants):
-        step = _STEP if constant.std <= _WIDE else 1.0
-        ends = [values(moved(study, [constant], np.array([z]))) for z in (step, -step)]
         with np.errstate(divide="ignore", invalid="ignore"):
+            if constant.std > _WIDE and (others := _alternatives(study, constant)):
+                changes = np.stack([values(other) for other in others]) / nominal - 1
+                shares[:, column] = np.take_along_axis(changes, np.abs(changes).argmax(0)[None], 0)[0]
+                continue
+            step = _STEP if constant.std <= _WIDE else 1.0
+            ends = [values(moved(study, [constant], np.array([z]))) for z in (step, -step)]
             shares[:, column] = (ends[0] - ends[1]) / (2 * step) / nominal
     shares[~np.isfinite(shares)] = np.nan
     return shares
+
+
+def _alternatives(study: Study, constant: Constant) -> list[Study]:
+    """The study with a family of each published alternative of its material; without those that are not admissible."""
+    material = find(constant.material, study.own_materials)
+    others = []
+    for variant in material.variants():
+        pairs = {name: (getattr(material, name), getattr(variant, name)) for name in constant.members}
+        changed: dict[str, Any] = {
+            name: other for name, (value, other) in pairs.items() if value * other > 0 and value != other
+        }
+        with suppress(MaterialError):
+            moved_material = replace(material, **changed, alternatives=())
+            moved_material.check()
+            others += [study.with_materials({constant.material: moved_material})] if changed else []
+    return others
 
 
 def concerned(study: Study, constant: Constant) -> dict[str, str]:

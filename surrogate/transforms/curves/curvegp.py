@@ -20,9 +20,7 @@ from approximation.arrays import Array, Indices, blocks
 from approximation.measure import Measure
 from approximation.panels import Panels
 from surrogate.data.inputs import Input
-from surrogate.data.packing import Rounded
 from surrogate.face.model import GaussianProcess
-from surrogate.face.plain import plain_outputs
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
 from surrogate.transforms.curves.landscape import Landscape
 from surrogate.transforms.groups import Grouping
@@ -36,8 +34,6 @@ _PROBES = 64
 _LONGEST_PANEL = 1000
 
 Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
-# Rounding of fields of curves, in their sizes: what follows from them is still the same to 1e-9.
-STEP = 1e-12
 
 
 class CurveGP(Transformed):
@@ -134,12 +130,21 @@ class CurveGP(Transformed):
         data = xr.Dataset(parts, {name: X[name] for name in coordinates if not set(X[name].dims) & self._dims()})
         smooth = self.smooth(list(parts)).fit(data)
         self.bases_, self.calibration_ = tuple(bases), None
-        allowed = {f"log {size}": self.error for size in self._sizes()}  # of a size itself, none
-        for number, basis in enumerate(bases):
-            allowed |= {f"score {number} {k}": basis.error(self.error) for k in range(len(basis.vectors))}
-        self.smooth_, self.cases_ = smooth.thinned(allowed), smooth.cases_
+        self.smooth_, self.cases_ = smooth.thinned(self.allowed(self.error)), smooth.cases_
         self._lay_out()
         return self
+
+    def allowed(self, error: float) -> dict[str, float]:
+        """Return errors of sizes and scores, in their units, that make a relative error of the fields."""
+        allowed = {f"log {size}": error for size in self._sizes()}  # of a size itself, none
+        for number, basis in enumerate(self.bases_):
+            allowed |= {f"score {number} {k}": basis.error(error) for k in range(len(basis.vectors))}
+        return allowed
+
+    @property
+    def witnesses(self) -> tuple[str, ...]:
+        """Smooth outputs whose variances tell those of the outputs."""
+        return self._witness.outputs_
 
     def _lay_out(self) -> None:
         smooth, attrs = self.smooth_, dict(self.attrs or {})
@@ -147,7 +152,7 @@ class CurveGP(Transformed):
         self.attrs_ = {
             name: attrs.get(name, {}) if name in self.largest else smooth.attrs_[name] for name in self.outputs
         }
-        self._links = Links(self.outputs, self.largest, self.curves, self.bases_, self.logarithms, smooth.outputs_)
+        self.links = Links(self.outputs, self.largest, self.curves, self.bases_, self.logarithms, smooth.outputs_)
         self.grouping = self._grouped(groups_of(smooth))
         self._landscapes = [
             Landscape(basis, curves.panels) for basis, curves in zip(self.bases_, self.curves, strict=True)
@@ -163,7 +168,7 @@ class CurveGP(Transformed):
             return None
         known = {name: smooth.scalings[name] for name in self.outputs if name not in self.largest}
         for name in self.largest:
-            size = smooth.scalings.get(learnt_name(self._links.size_of(name), self.logarithms), Scaling())
+            size = smooth.scalings.get(learnt_name(self.links.size_of(name), self.logarithms), Scaling())
             known[name] = replace(size, logarithm=0)
         return replace(smooth, scalings={name: known[name] for name in self.outputs})
 
@@ -181,7 +186,7 @@ class CurveGP(Transformed):
         """
         if name not in self.largest:
             return name
-        smooth, rows = self.smooth_, self._links.scores[self.largest[name].curves]
+        smooth, rows = self.smooth_, self.links.scores[self.largest[name].curves]
         t = np.random.default_rng(0).uniform(-1, 1, (len(self.inputs_), _PROBES))
         parts = []
         for part in np.eye(smooth.parts):
@@ -196,14 +201,14 @@ class CurveGP(Transformed):
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
         """Return means and, with weights, variances as those of the witnesses: (p, B) each."""
         smooth, _ = self.smooth_.mean_variance(t, None)
-        mean = self._followed(smooth)
+        mean = self.followed(smooth)
         if weights is None:
             return mean, None
-        return mean, self._witness.variance(t, weights) * self._links.spread(smooth) ** 2
+        return mean, self._witness.variance(t, weights) * self.links.spread(smooth) ** 2
 
-    def _followed(self, smooth: Array) -> Array:
-        """All outputs, (p, B), of the smooth ones, (q, B)."""
-        out, links = np.empty((len(self.outputs), smooth.shape[1])), self._links
+    def followed(self, smooth: Array) -> Array:
+        """Return all outputs, (p, B), of the smooth ones, (q, B)."""
+        out, links = np.empty((len(self.outputs), smooth.shape[1])), self.links
         for k, row in links.plain:
             out[k] = smooth[row]
         for block in blocks(smooth.shape[1], _QUERIES_AT_ONCE):
@@ -219,11 +224,11 @@ class CurveGP(Transformed):
     @override
     def slopes(self, t: Array) -> Array:
         smooth, _ = self.smooth_.mean_variance(t, None)
-        slopes, links = self.smooth_.slopes(t), self._links
+        slopes, links = self.smooth_.slopes(t), self.links
         out = np.empty((len(t), len(self.outputs), t.shape[1]))
         for k, row in links.plain:
             out[:, k] = slopes[:, row]
-        mean = self._followed(smooth)
+        mean = self.followed(smooth)
         for number, measure, names in links.searches():
             rows, land = links.scores[number], self._landscapes[number]
             for block in blocks(t.shape[1], _QUERIES_AT_ONCE):
@@ -244,7 +249,7 @@ class CurveGP(Transformed):
     def slope_variances(self, t: Array, weights: Array) -> Array:
         """Return the weighted variances of these derivatives, (d, p, B), as those of the witnesses."""
         smooth, _ = self.smooth_.mean_variance(t, None)
-        return self._witness.slope_variances(t, weights) * self._links.spread(smooth) ** 2
+        return self._witness.slope_variances(t, weights) * self.links.spread(smooth) ** 2
 
     def _narrowed(self, outputs: Sequence[str]) -> Self:
         part = copy(self)
@@ -253,7 +258,7 @@ class CurveGP(Transformed):
         return part
 
     def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        return {"smooth": self._links.behind(outputs)}
+        return {"smooth": self.links.behind(outputs)}
 
     def _unchanged(self) -> set[str]:
         return set(self.outputs) - set(self.largest)
@@ -267,25 +272,25 @@ class CurveGP(Transformed):
         """
         smooth = self.smooth_.uncalibrated().means(t)
         known, left = np.zeros_like(smooth), errors.copy()
-        for k, row in self._links.plain:
+        for k, row in self.links.plain:
             known[row] = errors[k]
         required = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
         whole = required <= dataset.keys()
         true = smooth + known
         if whole:
-            for size, row in self._links.sizes.items():
+            for size, row in self.links.sizes.items():
                 true[row] = np.log(dataset[size].values) if self.logarithms else dataset[size].values
             for number, curves in enumerate(self.curves):
-                true[self._links.scores[number]] = self.bases_[number].scores(curves.shapes(dataset))
+                true[self.links.scores[number]] = self.bases_[number].scores(curves.shapes(dataset))
             known = true - smooth
         smooth_left = self.smooth_.corrected(dataset, known, t, groups)
         self._stand_witness()
-        for k, row in self._links.plain:
+        for k, row in self.links.plain:
             left[k] = smooth_left[row]
         if whole:
             others = [k for k, name in enumerate(self.outputs) if name in self.largest]
-            truth = errors[others] + self._followed(smooth)[others]
-            left[others] = truth - self._followed(true - smooth_left)[others]
+            truth = errors[others] + self.followed(smooth)[others]
+            left[others] = truth - self.followed(true - smooth_left)[others]
         return left
 
     # -- files ---------------------------------------------------------------------------------------------------------
@@ -302,20 +307,6 @@ class CurveGP(Transformed):
         model = cls(_unfitted, curves, largest, list(outputs), outputs, *known)
         model.bases_ = tuple(bases)
         return model
-
-    def plain(self) -> dict[str, Any] | None:
-        """Return the plain process, and how the outputs, their intervals and deviations follow from it."""
-        smooth = self.smooth_.plain()
-        if smooth is None:
-            return None
-        rows = [self.smooth_.outputs_.index(name) for name in self._witness.outputs_]
-        return {
-            **smooth,
-            **plain_outputs(self),
-            "amplitude": smooth["amplitude"][:, rows],
-            "variance": smooth["variance"][rows],
-            "curves": self._links.described(np.hypot(smooth["offset"], smooth["scale"])) | {"witness": rows},
-        }
 
 
 def _unfitted(names: Sequence[str]) -> GaussianProcess:
@@ -457,11 +448,8 @@ class Links:
         names += [learnt_name(size, self._logarithms) for size in sizes]
         return names + [self._smooth[row] for number in used for row in self.scores[number]]
 
-    def described(self, spreads: Array) -> dict[str, Any]:
-        """Return links, measures and curves as plain values.
-
-        spreads: (q,).
-        """
+    def described(self) -> dict[str, Any]:
+        """Return links, measures and panels as plain values."""
         measures = list(dict.fromkeys(largest.measure for largest in self._largest.values()))
         return {
             "plain": self.plain,
@@ -478,19 +466,8 @@ class Links:
             "measures": [{"linear": measure.linear.tolist(), "root": measure.root.tolist()} for measure in measures],
             "logarithms": self._logarithms,
             "nets": [
-                {
-                    "across": curve.panels.across,
-                    "down": curve.panels.down,
-                    "scores": rows,
-                    "whole": _whole(basis, spreads[rows]),
-                }
-                for curve, basis, rows in zip(self._curves, self._bases, self.scores, strict=True)
+                {"across": curve.panels.across, "down": curve.panels.down, "scores": rows}
+                for curve, rows in zip(self._curves, self.scores, strict=True)
             ],
             "spread": [self._typical(name) for name in self._outputs],
         }
-
-
-def _whole(basis: Basis, spreads: Array) -> Rounded:
-    """Mean and vectors of curves, (1 + rank, point, field); ``spreads`` are the sizes of their scores."""
-    whole = np.concatenate([basis.mean[None], basis.vectors]).swapaxes(1, 2)
-    return Rounded(whole, 1 / np.concatenate([[1.0], spreads]), STEP * basis.scales)

@@ -13,13 +13,9 @@ from tests.solver.cases import assert_alike, refused
 from tests.solver.line.films import BTO, CFO, STEEL
 
 FILM: dict[str, Any] = {
-    "material": "BaTiO3",
-    "thickness": 0.5e-3,
-    "surroundings": "insulated",
-    "base": "rigid",
-    "radius": 0.05,
+    "material": "BaTiO3", "thickness": 0.5e-3, "surroundings": "insulated", "base": "rigid", "radius": 0.05,
     "load": 1e5,
-}
+}  # fmt: skip
 MIX: dict[str, Any] = {
     "volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05, "friction": 0.3, "load": 1e5,
     "surroundings": "insulated",

@@ -148,7 +148,7 @@ def test_rows_have_the_labels_of_their_frame_and_may_lack_what_is_optional() -> 
     rows = solver.solve([CASE, CASE | {"thickness": "1 mm", "base": "steel", "surroundings": "insulated"}])
     assert float(rows["voltage"][0]) == pytest.approx(float(solver.solve(CASE)["voltage"]), rel=1e-12)
     for place, words in (
-        (1, r"^load: nan is not .* \(row b\); rows without it"),
+        (1, r"^load: missing; must be .* \(row b\)$"),
         (2, r"^load: -1 is not .* \(row c\)$"),
     ):
         wrong = TABLE.assign(load=[np.nan if place == row == 1 else -1.0 if place == row else 1e4 for row in range(3)])
@@ -158,6 +158,43 @@ def test_rows_have_the_labels_of_their_frame_and_may_lack_what_is_optional() -> 
     assert solver.solve(levels)["case"].values.tolist() == [0, 1, 2]
 
 
+BALL: dict[str, Any] = {"material": "AlN", "profile": "sphere", "radius": "1 mm", "force": "1 N"}
+KINDS = [CASE, BALL, {"volume_fraction": 0.5, "radius": 0.05, "load": 1e4, "friction": 0.1}, CASE | {"load": 2e4}]
+
+
+@pytest.mark.parametrize("table", [KINDS, pd.DataFrame(KINDS[:2] + KINDS[3:], index=["a", "b", "c"])])
+def test_rows_of_several_kinds_are_solved_kind_by_kind(table: Any) -> None:
+    rows = solver.solve(table, [0.0, 0.5])
+    alone = [solver.solve(row, [0.0, 0.5]) for row in (KINDS if table is KINDS else [KINDS[0], KINDS[1], KINDS[3]])]
+    assert rows.sizes == {"case": len(table), "position": 2}
+    for name in {name for answer in alone for name in answer.data_vars}:
+        for place, answer in enumerate(alone):
+            expected = answer[name].squeeze() if name in answer else np.nan
+            assert_allclose(rows[name][place], expected, rtol=1e-11, err_msg=str(name))
+    assert np.isnan(rows["force"][0])
+    assert rows["force"][1] == 1.0
+    assert rows["profile"].values.tolist()[:2] == ["", "sphere"]
+    inside = solver.solve_interior(table, [0.0], [-1.0])["stress_yy"]
+    assert inside.sizes == {"case": len(table), "y": 1, "x": 1}
+    assert np.isfinite(inside.values).all()
+    with pytest.raises(solver.FactorError, match=r"^friction: nan is not .* \(row c\)$"):  # no kind: a hole
+        solver.solve(pd.DataFrame([CASE, BALL, CASE], index=list("abc")).assign(friction=[0.1, 0.2, np.nan]))
+
+
+def test_a_heading_may_have_a_unit() -> None:
+    headed = pd.DataFrame({"material": "PZT-4", "radius [mm]": [50.0, "6 cm"], "load (kN/m)": [10, 20]})
+    rows = solver.solve(headed)
+    assert rows["radius"].values.tolist() == [0.05, 0.06]
+    assert rows["load"].values.tolist() == [1e4, 2e4]
+    for columns, words in (
+        ({"radius [kg]": 1}, r"^radius \[kg\]: unit mismatch: 'kg'"),
+        ({"radius [smoot]": 1}, r"^radius \[smoot\]: .* is not a unit"),
+        ({"radius [mm]": 50, "radius": 0.05}, "^radius: two columns"),
+    ):
+        with pytest.raises(solver.FactorError, match=words):
+            solver.solve(pd.DataFrame([{"material": "PZT-4", "load": 1e4} | columns]))
+
+
 @pytest.mark.parametrize(
     ("table", "word"),
     [
@@ -165,8 +202,8 @@ def test_rows_have_the_labels_of_their_frame_and_may_lack_what_is_optional() -> 
         ([], "no list of mappings"),
         ("PZT-4", "no list of mappings"),
         (pd.concat([TABLE, TABLE[["load"]]], axis=1), "load: two columns"),
-        (TABLE.assign(load=pd.array([1e4, None, 2e4], dtype="Float64")), "load: nan"),
-        (TABLE.assign(material=["PZT-4", None, "PZT-4"]), "material: 'n"),
+        (TABLE.assign(load=pd.array([1e4, None, 2e4], dtype="Float64")), "load: missing"),
+        (TABLE.assign(material=["PZT-4", None, "PZT-4"]), "material: missing"),
         (TABLE.assign(colour=1), "colour: unknown factor"),
     ],
 )
@@ -248,10 +285,7 @@ def test_a_solution_says_what_no_factor_says(factors: dict[str, object], said: d
     [
         ({"profile": "sphere", "radius": 1e-3, "force": [1.0, 1e5]}, "in 1 of 2 cases, at worst a half-width of"),
         ({"radius": 1e-3, "load": 1e8}, "strain: a half-width of 0.00122 m is 1.2 of the punch radius 0.001 m"),
-        (
-            {"thickness": 1e-4, "base": "rigid", "profile": "flat", "width": 1e-4, "load": 4e6},
-            "0.22 of the thickness",
-        ),
+        ({"thickness": 1e-4, "base": "rigid", "profile": "flat", "width": 1e-4, "load": 4e6}, "0.22 of the thickness"),
         ({"thickness": 1e-4, "base": "steel", "profile": "sphere", "radius": 0.1, "force": 2e4}, ""),
         ({"radius": 0.05, "load": 1e5}, ""),
     ],

@@ -74,8 +74,8 @@ def test_points(name: str, conducts: tuple[bool, bool]) -> None:
 def test_fields_of_points() -> None:
     case = told(POINT | POINTS["sliding"] | {"material": "BaTiO3"}, (True, False), ("total_charge", "total_flux"))
     x, y = [-1.3, 0.0, 0.4, 2.5], [-0.01, -0.3, -0.95, -1.05, -4.0]
-    # rounding of the material's tensors (3e-16) moves either pressure at the middle by up to 4e-10
-    assert_alike(solver.solve(bonded(case, 6.6e-5), x, regular=True), solver.solve(case, x, regular=True), 2e-9)
+    # sums over b cancel to the depth 1e-3 a above which fields are extrapolated: rounding moves them by 1e-10 at x = 0
+    assert_alike(solver.solve(bonded(case, 6.6e-5), x, regular=True), solver.solve(case, x, regular=True), 3e-10)
     assert_alike(solver.solve_interior(bonded(case, 6.6e-5), x, y), solver.solve_interior(case, x, y), 1e-11)
 
 

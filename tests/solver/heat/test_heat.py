@@ -87,9 +87,7 @@ def test_layers_warm_as_finite_volumes_do(film: int) -> None:
 
 
 @pytest.mark.parametrize(("radius", "collecting"), [(2e-3, 1e-3), (0.7e-3, 0.7e-3), (0.5e-3, 1.5e-3)])
-def test_a_disc_below_a_warm_disc_collects_what_axisymmetric_finite_volumes_give_it(
-    radius: float, collecting: float
-) -> None:
+def test_a_disc_below_a_warm_disc_collects_as_axisymmetric_volumes_say(radius: float, collecting: float) -> None:
     cover, film, base, time = Slab(0.5e-3, *PDMS), Slab(50e-6, *FILM), Slab(np.inf, *FR4), 2.0
     warming = Warming(layered([0.5e-3, 50e-6], PDMS, FILM, FR4), np.array([0.0, 1.0]), time)
     transformed = warming.over(Spot("disc", radius, "disc", collecting))
@@ -135,11 +133,11 @@ def test_a_bare_film_is_resolved_below_its_own_spot() -> None:
 def test_a_circuit_that_forgets_shows_the_convolution() -> None:
     body, leak, time = layered([0.4e-3, 50e-6], PDMS, FILM, FR4), 0.3, 2.0
 
-    def mean(at: float) -> float:
-        return float(body.means(AT_ONCE, at)[1, 0])
+    def mean(elapsed: float) -> float:
+        return float(body.means(AT_ONCE, elapsed)[1, 0])
 
-    kept = mean(time) - quad(lambda u: mean(time - u) * np.exp(-u / leak) / leak, 0, time, epsabs=1e-9)[0]
-    assert body.means(AT_ONCE, time, leak)[1, 0] == pytest.approx(kept, abs=1e-7)
+    convolved = mean(time) - quad(lambda u: mean(time - u) * np.exp(-u / leak) / leak, 0, time, epsabs=1e-9)[0]
+    assert body.means(AT_ONCE, time, leak)[1, 0] == pytest.approx(convolved, abs=1e-7)
 
 
 def test_a_film_on_a_base_has_the_coefficient_of_the_full_law() -> None:
@@ -185,8 +183,8 @@ def test_layers_in_series_share_a_charge_and_opposite_poling_cancels() -> None:
         thermal={**film.thermal, "pyroelectric": Sourced(35e-6, "turned over")},
     )  # fmt: skip
     twice = Stack([Layer(film, 25e-6), Layer(film, 25e-6)], "FR4")
-    one = Stack([Layer(film, 50e-6)], "FR4")
-    assert layer_weights(twice).sum() == pytest.approx(layer_weights(one)[0])
+    single = Stack([Layer(film, 50e-6)], "FR4")
+    assert layer_weights(twice).sum() == pytest.approx(layer_weights(single)[0])
     pair = Stack([Layer(film, 25e-6), Layer(flipped, 25e-6)], "FR4")
     assert HeatedStack.of(pair).uniform == pytest.approx(0.0, abs=1e-18)
     with pytest.raises(HeatError, match="base 'rigid'"):

@@ -1,4 +1,4 @@
-"""Electrodes in a stack and on top: identities whatever presses, patches against fields inside and reciprocity."""
+"""Electrodes and metals in a stack, patches, and capacitances between two solved states."""
 
 from typing import Any
 
@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.interpolate import BarycentricInterpolator
+from scipy.optimize import brentq
 
 import solver
 from solver.arrays import Array
 from solver.stack.electroded import beyond_local, local
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Layer, Stack
-from tests.solver.line.films import BTO, FIBROUS, SILICON, by_exponentials
+from tests.solver.line.films import BTO, FIBROUS, SILICON, STEEL, by_exponentials
 
 PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
 BARE: dict[str, Any] = {"surroundings": "insulated"}
@@ -228,3 +229,144 @@ def test_aluminium_nitride_on_silicon_nearly_stands_still() -> None:
     exact = float(film.e33 / film.c33) + pull / float(SILICON.c11 + SILICON.c12)
     assert float(stroke) == pytest.approx(exact, rel=1e-10)
     assert 1e12 * exact == pytest.approx(-0.26, abs=0.005)
+
+
+PRESSED_BALL: dict[str, Any] = {"profile": "sphere", "radius": 0.01, "force": 0.1}
+LINE: dict[str, Any] = {"radius": 0.05, "load": 1e4}
+
+
+@pytest.mark.parametrize("punch", [PRESSED_BALL, LINE], ids=["ball", "roller"])
+def test_a_nanometre_of_steel_is_a_grounded_interface(punch: dict[str, Any]) -> None:
+    """The share of its stiffness falls with its thickness."""
+    grounded = solver.solve(
+        punch | {"surroundings": "insulated", "body": Stack([Layer(PZT, 2e-4, "grounded")], SILICON)}
+    )
+    for thickness, off in ((1e-7, 5e-6), (1e-9, 5e-8)):
+        coated = solver.solve(
+            punch | {"surroundings": "insulated", "body": Stack([Layer(PZT, 2e-4), Layer(STEEL, thickness)], SILICON)}
+        )
+        for name in ("charge_per_force", "voltage", "peak_pressure", "stroke_per_volt"):
+            assert float(coated[name]) == pytest.approx(float(grounded[name]), rel=20 * off), (name, thickness)
+
+
+def test_what_is_said_of_an_interface_to_a_metal_has_no_part() -> None:
+    def on(electric: str | None) -> solver.Stack:
+        return Stack([Layer(PZT, 2e-4, electric), Layer(solver.find("copper"), 2e-5, electric)], SILICON)
+
+    computed = [
+        solver.solve(PRESSED_BALL | {"surroundings": "insulated", "body": on(electric)})
+        for electric in (None, "bonded", "grounded")
+    ]
+    for first in computed[1:]:
+        np.testing.assert_array_equal(first["charge_per_force"], computed[0]["charge_per_force"])
+    by_factors = PRESSED_BALL | {"material": "PZT-4", "thickness": 2e-4, "surroundings": "insulated", "base": "steel"}
+    kinds = solver.solve(by_factors | {"interface_electric": ["grounded", "bonded"]})
+    assert np.ptp(kinds["charge_per_force"].values) == 0
+
+
+def test_no_field_is_inside_a_metal() -> None:
+    stack = Stack([Layer(PZT, 1e-4), Layer(solver.find("copper"), 1e-4)], STEEL)
+    inside = solver.solve_interior(LINE | {"surroundings": "insulated", "body": stack}, [0.3], [-0.1, -2.0, -4.0])
+    half = float(solver.solve(LINE | {"surroundings": "insulated", "body": stack})["contact_trailing"])
+    assert 0.1 * half < 1e-4 < 2.0 * half < 2e-4 < 4.0 * half
+    field = np.abs(inside["electric_field_y"].values).ravel()
+    assert field[0] > 1e3
+    np.testing.assert_allclose(field[1:], 0, atol=1e-9 * field[0])
+
+
+def test_flux_passes_through_a_metal_by_its_permeability() -> None:
+    """Steel of a hundred times vacuum's lets pass what air would not; of one, it is what it was."""
+    as_air = solver.Material(**{**vars(STEEL), "mu11": np.array(4e-7 * np.pi), "mu33": np.array(4e-7 * np.pi)})
+    case = LINE | {"magnetic": "conducting", "datum": 0.1}
+    steel, air, dielectric = (
+        abs(
+            float(
+                solver.solve(case | {"surroundings": "insulated", "body": Stack([Layer(FIBROUS, 2e-4)], base)})[
+                    "flux_per_force"
+                ]
+            )
+        )
+        for base in (STEEL, as_air, solver.Material.isotropic(200e9, 0.3))
+    )
+    assert air == pytest.approx(dielectric, rel=0.05)
+    assert steel / air > 10
+
+
+def test_a_metal_on_top_has_the_potential_itself() -> None:
+    """A conducting punch on the metal acts as an insulating one: it presses, and nothing more."""
+    stack = Stack([Layer(solver.find("aluminium"), 1e-6), Layer(PZT, 2e-5)], SILICON)
+    pair = [
+        solver.solve(PRESSED_BALL | {"surroundings": "insulated", "body": stack, "electric": kind})
+        for kind in ("conducting", "insulating")
+    ]
+    assert "voltage" not in pair[0]
+    np.testing.assert_array_equal(pair[0]["contact_radius"], pair[1]["contact_radius"])
+    for case in (PRESSED_BALL | {"total_charge": 1e-12}, LINE | {"charge": 1e-9}):
+        with pytest.raises(solver.FactorError, match="charge: 1e-"):
+            solver.solve(case | {"surroundings": "insulated", "body": stack})
+
+
+FILM = {"surroundings": "insulated", "thickness": 0.7e-3, "radius": 0.05}
+#: A bonded active base, whose far field carries load and charge alike.
+ACTIVE_BASE = FILM | {"material": "BaTiO3", "base": "PZT-5H", "interface_electric": "bonded"}
+MAGNETIC = FILM | {"composite": "fibrous", "volume_fraction": 0.6, "base": "CoFe2O4", "interface_magnetic": "bonded"}
+
+
+@pytest.mark.parametrize(
+    ("body", "load", "charge", "potential", "store", "size"),
+    [
+        (ACTIVE_BASE | {"friction": 0.3}, 3e6, "charge", "voltage", "capacitance_per_length", 1e-6),
+        (MAGNETIC, 1e5, "magnetic_charge", "magnetic_potential", "permeance_per_length", 1e-7),
+    ],
+    ids=["electric, friction", "magnetic"],
+)
+def test_stores_are_those_between_two_states_of_one_width(
+    body: dict[str, float], load: float, charge: str, potential: str, store: str, size: float
+) -> None:
+    """The potential is affine in the charge at one width: a secant is the tangent but for rounding.
+
+    That is 1e-8, as the secant is of potentials that are a thousand times larger than what they differ by.
+    """
+
+    def width(load: float, charged: float) -> float:
+        computed = solver.solve({**body, "load": load, charge: charged})
+        return float(computed["contact_trailing"] + computed["contact_leading"])
+
+    required = width(load, 0.0)
+    other = brentq(lambda load: width(load, size) / required - 1, 0.9 * load, 1.1 * load, xtol=1e-9 * load, rtol=1e-13)
+    first = solver.solve({**body, "load": load})
+    two = solver.solve({**body, "load": other, charge: size})
+    secant = size / float(two[potential] - first[potential])
+    assert float(first[store]) == pytest.approx(secant, rel=1e-7, abs=0)
+
+
+def test_figures_that_others_found() -> None:
+    """Four digits of an independent check: dT/dV between two states of one contact, and an insulated base's exact."""
+    assert float(solver.solve(ACTIVE_BASE | {"load": 3e6})["capacitance_per_length"]) == pytest.approx(
+        9.888e-9, rel=5e-5
+    )
+    layers = Layer(solver.find("PZT-5H"), 10e-6), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")
+    computed = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})
+    assert float(computed["permeance_per_length"]) == pytest.approx(-6.960e-6, rel=1e-4)
+
+
+@pytest.mark.parametrize(("thin", "load"), [(10e-6, 1e4), (50e-6, 1e3)])
+def test_permeance_above_an_insulated_base_is_that_of_a_strip(thin: float, load: float) -> None:
+    """One permeability throughout: (J / pi mu) log|2 sinh(pi x / 2H)|, and Chebyshev's terms, are the potential.
+
+    Far away it is a straight line that is 0 at |x| = 0, the solver's is 0 at 2H/pi. Layers a thousand times less
+    dielectric lie below: what long waves lose was 9e-4.
+    """
+    body = Stack((Layer(solver.find("PZT-5H"), thin), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")))
+    computed = solver.solve({"surroundings": "insulated", "body": body, "radius": 0.05, "load": load})
+    thickness, mu = body.thickness, float(solver.find("PZT-5H").mu11)
+    n, count, half = np.arange(60), 60, float(computed["contact_trailing"])
+    angle = np.pi * (n + 0.5) / count
+    phase = np.pi * half / (2 * thickness) * (np.cos(angle)[:, None] - np.cos(angle))
+    np.fill_diagonal(phase, 1e-9)  # the smooth part is 0 there
+    terms = np.cos(angle[:, None] * n)
+    logs = -np.pi / np.maximum(n, 1) * terms
+    logs[:, 0] = np.pi * np.log(np.pi * half / (2 * thickness))
+    smooth = np.log(np.sinh(phase) / phase) @ terms * np.pi / count
+    charge = np.pi * np.linalg.solve(logs + smooth, np.ones(count))[0]
+    assert float(computed["permeance_per_length"]) == pytest.approx(-np.pi * mu * charge / (1 - charge), rel=1e-6)

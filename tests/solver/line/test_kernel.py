@@ -1,5 +1,6 @@
-"""Tables of kernels: every material of the library resolves, values are integrals (films, F3.2), one serves punches."""
+"""Tables of kernels and their resolution, and steady sliding: integrals, finer systems, Lame's potentials."""
 
+from dataclasses import replace
 from itertools import cycle, product
 from unittest.mock import Mock
 
@@ -10,14 +11,20 @@ from scipy.integrate import quad_vec
 import solver
 from solver.arrays import Array
 from solver.halfplane.profile import Profile
-from solver.halfplane.sliding import Punch
+from solver.halfplane.sliding import Punch, Sliding
+from solver.halfplane.surface import HalfPlane
 from solver.line import kernel as module
+from solver.line import outputs
+from solver.line.assembly import Assembly
 from solver.line.contact import FilmContact
 from solver.line.kernel import ENTRIES, Kernel, kernel
-from solver.line.table import table
+from solver.line.surface import local_fields
+from solver.line.system import System
+from solver.line.table import at, table
 from solver.stack.layers import RIGID, Layer, Stack, StackError
 from solver.stack.reflection import waves
-from tests.solver.line.films import FIBROUS, ON_STEEL, cases
+from solver.stack.speed import critical_speed
+from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, STEEL, cases, interior_fields
 
 #: Roots with a large real part put singularities beside the first panels.
 STEEP = ["PMN-PT 67:33", "PMN-PT 67:33 (alternative 1)"]
@@ -30,8 +37,7 @@ def of(material: solver.Material, base: str, ratio: float) -> Kernel:
 
 
 @pytest.mark.parametrize(
-    ("name", "base"),
-    [*zip(solver.materials(), cycle(["rigid", "steel"])), *product(STEEP, ["rigid", "steel"])],
+    ("name", "base"), [*zip(solver.materials(), cycle(["rigid", "steel"])), *product(STEEP, ["rigid", "steel"])]
 )
 def test_no_built_in_material_is_refused(name: str, base: str) -> None:
     for ratio in (1e-3, 1.0, 30.0):
@@ -83,3 +89,118 @@ def test_one_table_of_a_stack_serves_every_punch(monkeypatch: pytest.MonkeyPatch
         for friction in (0.0, 0.3):
             table(stack, friction, least=0.3, most=1.0, nodes=4, punch=punch)
     assert computed.call_count == 1
+
+
+SOFT = solver.Material.isotropic(5e9, 0.35)
+STEEP_ROOTS = "roots with a large real part"
+STACKS = {
+    "fibrous on rigid": Stack((Layer(FIBROUS, 1.0),)),
+    "BaTiO3 on a base 32 times softer": Stack((Layer(BTO, 1.0),), SOFT),
+    STEEP_ROOTS: Stack((Layer(solver.find("PMN-PT 67:33"), 1.0, "grounded"),), STEEL),
+    "permittivities 140 times apart": Stack((Layer(BTO, 1.0), Layer(CFO, 1.0)), STEEL),
+}
+
+
+def system(stack: Stack, friction: float, most: float, accuracy: float = 1.0) -> System:
+    sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array([True, True]))
+    return System(kernel(stack, 2.01 * most * stack.top.thickness), sliding, (True, True), 1, accuracy)
+
+
+@pytest.mark.sampled(4)
+@pytest.mark.parametrize("friction", [0.0, 1.0])
+@pytest.mark.parametrize("name", STACKS)
+def test_default_resolution_is_1e_8_up_to_30_thicknesses(name: str, friction: float) -> None:
+    """Load, displacement and potentials; edge intensities 3e-8, edge stresses 1e-6; at steep roots 100 times that."""
+    slack = 100.0 if name == STEEP_ROOTS else 1.0
+    half = np.array([0.01, 0.3, 30.0])
+    computed, finer = (at(system(STACKS[name], friction, 30.0, accuracy), half) for accuracy in (1.0, 1.5))
+    for which, error in ((slice(0, 1), 1e-9), (outputs.DISPLACEMENT, 1e-9), (outputs.INTENSITY, 3e-8),
+                         (outputs.EDGE_STRESS, 1e-6)):  # fmt: skip
+        miss = np.max(np.abs(computed[:, which, 0] - finer[:, which, 0]), -1)
+        assert np.all(miss <= slack * error * np.max(np.abs(finer[:, which, 0]), -1)), (which, miss)
+
+
+@pytest.mark.filterwarnings("ignore::solver.line.table.SlowWarning")
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize("most", [30.0, 3.0])
+def test_default_tables_are_read_to_1e_8(most: float) -> None:
+    """Between the half-lengths of the table, against the system itself; load to 1e-9, the others over their range."""
+    tabled = table(STACKS["fibrous on rigid"], 0.3, most=most)
+    half = np.exp(np.linspace(np.log(0.0102), np.log(0.98 * most), 7))
+    read = tabled.interval.read(np.log(half), tabled.series)
+    exact = at(tabled.system, half)
+    size = np.max(np.abs(exact), axis=0)
+    assert np.all(np.abs(read - exact)[:, : outputs.EDGE_STRESS.start] <= 3e-8 * size[: outputs.EDGE_STRESS.start])
+    assert np.max(np.abs(read[:, 0, 0] / exact[:, 0, 0] - 1)) < 1e-9
+
+
+@pytest.mark.parametrize(("material", "half"), [("PMN-PT 67:33", 9.0), ("PMN-PT 67:33", 30.0), ("LiNbO3", 30.0)])
+def test_tractions_of_wide_contacts_are_those_of_many_more_terms(material: str, half: float) -> None:
+    """D_y and the pressure at 1e-8 of the largest, whatever the roots of the film's material."""
+    tabled = table(Stack((Layer(solver.find(material), 1.0),), STEEL), 0.2, least=half / 2, most=half, accuracy=1.25)
+    X: Array = np.array([-0.97, -0.6, 0.0, 0.3, 0.8, 0.99])
+    tractions = []
+    for system in (tabled.system, replace(tabled.system, accuracy=2 * tabled.system.accuracy)):
+        assembly = Assembly(system, system.basis(half), np.array([half]), X)
+        tractions.append(np.einsum("hfpu,huc->fpc", local_fields(assembly)[:, :2], assembly.unknowns)[..., 0])
+    few, many = tractions
+    np.testing.assert_array_less(np.max(np.abs(few - many), 1), 1.5e-8 * np.max(np.abs(many), 1))
+
+
+MIX = solver.find("BaTiO3-CoFe2O4 50:50")
+
+
+def moving_layer(E: float, nu: float, rho: float, speed: float, k: Array) -> Array:
+    """k u_y per sigma_yy on an isotropic layer of unit thickness on a rigid base, by Lame's potentials; (k,)."""
+    G = E / (2 * (1 + nu))
+    long_ = np.sqrt(2 * G * (1 - nu) / (1 - 2 * nu) / rho)
+    a, b = np.sqrt(1 - (speed / long_) ** 2), np.sqrt(1 - speed**2 * rho / G)
+    computed = []
+    for q in k:
+        # phi = A cosh qa(y+1) + B sinh, i psi = C cosh qb(y+1) + D sinh;  i u_x = -q phi - d(i psi)/dy
+        rows = []
+        for y in (0.0, 1.0):
+            ca, sa, cb, sb = np.cosh(q * a * y), np.sinh(q * a * y), np.cosh(q * b * y), np.sinh(q * b * y)
+            across = np.array([ca, sa, b * sb, b * cb])
+            along = np.array([a * sa, a * ca, cb, sb])
+            shear = G * q * np.array([2 * a * sa, 2 * a * ca, (1 + b * b) * cb, (1 + b * b) * sb])
+            normal = G * q * np.array([(1 + b * b) * ca, (1 + b * b) * sa, 2 * b * sb, 2 * b * cb])
+            rows.append((across, along, shear, normal))
+        (bottom, under, _, _), (_, top, shear, normal) = rows
+        terms = np.linalg.solve(np.array([bottom, under, shear, normal]), [0.0, 0.0, 0.0, 1.0])
+        computed.append(q * top @ terms)
+    return np.array(computed)
+
+
+@pytest.mark.parametrize("speed", [300.0, 1500.0, 2800.0])
+def test_isotropic_layer_on_a_rigid_base_is_that_of_lame_s_potentials(speed: float) -> None:
+    k, E, nu, rho = np.array([0.2, 1.0, 3.0, 8.0]), 2e11, 0.3, 7850.0
+    isotropic = solver.Material.isotropic(E, nu, name="steel")
+    steel = solver.Material(**{**vars(isotropic), "rho": np.array(rho)})
+    stack = Stack((Layer(steel, 1.0),), speed=speed)
+    Y = stack.media[0].compliance + waves(stack, k)[0].difference
+    np.testing.assert_allclose(Y[:, 1, 1] * stack.scale[1] ** 2, moving_layer(E, nu, rho, speed, k), rtol=1e-10)
+
+
+@pytest.mark.parametrize("conducts", [(True, True), (True, False), (False, False)])
+def test_critical_speed_of_a_film_on_its_own_material_is_the_half_plane_s(conducts: tuple[bool, bool]) -> None:
+    stack = Stack((Layer(MIX, 1.0, "bonded", "bonded"),), MIX)
+    assert critical_speed(stack, conducts) == pytest.approx(float(solver.limiting_speed(MIX, conducts)), rel=1e-7)
+
+
+def test_forces_inside_are_those_of_the_inertia() -> None:
+    """d sigma_xx/dx + d sigma_xy/dy = rho V^2 d(strain_xx)/dx in film and base; D_y stays free of it."""
+    speed, step = 1800.0, 1e-3
+    stack = Stack((Layer(BTO, 2e-4, "bonded"),), STEEL, speed)
+    tabled = table(stack, 0.3, least=0.5, most=2.0, nodes=8)
+    film = FilmContact(tabled, Profile.cylinder(np.array(0.05)), cases(1e5), np.zeros((1, 2)), np.array(1.0))
+    offsets, stencil = np.linspace(-2 * step, 2 * step, 5), np.array([1, -8, 0, 8, -1]) / (12 * step)
+    names = ("stress_xx", "stress_xy", "strain_xx", "electric_displacement_x", "electric_displacement_y")
+    edge = 2e-4 / float(film.half_width[0])
+    for depth, density in ((0.6 * edge, BTO.rho), (edge + 0.4, STEEL.rho)):
+        v = interior_fields(film, 0.4 + offsets, -depth + offsets, names)[0]
+        along, down = v[:, 2] @ stencil, v[:, :, 2] @ stencil
+        inertia = float(density) * speed**2 * along[2]
+        assert abs(inertia) > 1e-3 * abs(along[0])
+        assert along[0] + down[1] == pytest.approx(inertia, rel=1e-5)
+        assert along[3] == pytest.approx(-down[4], rel=1e-5)

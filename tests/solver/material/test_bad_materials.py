@@ -1,4 +1,4 @@
-"""Malformed and inadmissible materials: an error that names the constant, its value, the condition, the likely fix."""
+"""Constants of data sheets in every form; those that are malformed, inadmissible or of a lost unit are refused."""
 
 import warnings
 from collections.abc import Callable
@@ -8,17 +8,14 @@ import numpy as np
 import pytest
 
 import solver
+from solver import Material, MaterialError, find
 from solver.material.constants import UNITS
+from solver.material.datasheet import strain_charge, stress_matrices
+from solver.material.usual import USUAL
 
 TITANATE: dict[str, float] = {
-    "c11": 166e9,
-    "c12": 77e9,
-    "c13": 78e9,
-    "c33": 162e9,
-    "c44": 43e9,
-    "e31": -4.4,
-    "e33": 18.6,
-}
+    "c11": 166e9, "c12": 77e9, "c13": 78e9, "c33": 162e9, "c44": 43e9, "e31": -4.4, "e33": 18.6,
+}  # fmt: skip
 TITANATE |= {"e15": 11.6, "eps11": 11.2e-9, "eps33": 12.6e-9, "mu11": 5e-6, "mu33": 10e-6, "rho": 5800.0}
 FERRITE: dict[str, float] = {"c11": 286e9, "c12": 173e9, "c13": 170.5e9, "c33": 269.5e9, "c44": 45.3e9, "f31": 580.3}
 FERRITE |= {"f33": 699.7, "f15": 550.0, "eps11": 0.08e-9, "eps33": 0.093e-9, "mu11": 590e-6, "mu33": 157e-6}
@@ -144,3 +141,165 @@ def test_one_bad_case_of_many_is_named() -> None:
     )  # fmt: skip
     with pytest.raises(solver.MaterialError, match="broken: c13"):
         solver.solve({"material": [steel, broken, rubber], "radius": 0.1, "load": 1.0})
+
+
+#: PZT-5A as vendors print it: s^E [m2/N], d [C/N], free relative permittivities.
+PZT_5A: dict[str, Any] = {
+    "s11": "16.4e-12 m2/N", "s12": -5.74e-12, "s13": -7.22e-12, "s33": 18.8e-12, "s44": 47.5e-12,
+    "d31": "-171 pC/N", "d33": "374 pC/N", "d15": "584 pC/N", "eps_r11": 1730, "eps_r33": 1700,
+}  # fmt: skip
+
+
+def matrices(order: str) -> dict[str, Any]:
+    """Stiffness [GPa], e [C/m2] and clamped permittivity of a ceramic, shears counted by one of the orders."""
+    turn = [0, 1, 2, 3, 4, 5] if order == "IEEE" else [0, 1, 2, 5, 4, 3]
+    c = np.diag([120.0, 120.0, 110.0, 21.0, 21.0, 22.5])
+    c[0, 1] = c[1, 0] = 75.0
+    c[:2, 2] = c[2, :2] = 74.0
+    e = np.zeros((3, 6))
+    e[2, :3], e[0, 4], e[1, 3] = (-5.4, -5.4, 15.8), 12.3, 12.3
+    return {
+        "c": {"unit": "GPa", "rows": c[np.ix_(turn, turn)].tolist()},
+        "e": e[:, turn].tolist(),
+        "eps": ["8.1 nF/m", "8.1 nF/m", "7.3 nF/m"],
+        "order": order,
+    }
+
+
+def test_a_vendors_sheet_gives_the_published_stiffness_form() -> None:
+    material = Material.from_mapping(PZT_5A)
+    # c11 120.3 GPa, e33 15.8 C/m2, e31 -5.4, e15 12.3 and 830 eps0: Berlincourt's PZT-5A, rounded to three digits
+    assert float(material.c11) == pytest.approx(120.3e9, rel=1e-3)
+    assert float(material.c33) == pytest.approx(110.9e9, rel=1e-3)
+    assert float(material.e33) == pytest.approx(15.8, rel=2e-3)
+    assert float(material.e31) == pytest.approx(-5.35, rel=2e-3)
+    assert float(material.e15) == pytest.approx(12.3, rel=2e-3)
+    assert float(material.eps33) == pytest.approx(7.32e-9, rel=1e-3)
+
+
+def test_both_forms_lead_back_to_each_other() -> None:
+    material = find("PZT-5H")
+    sheet = strain_charge(*stress_matrices(material.plain()))
+    assert sheet["d33"] == pytest.approx(593e-12, rel=5e-3)  # the vendor's 593, -274, 741 pC/N
+    assert sheet["d31"] == pytest.approx(-274e-12, rel=5e-3)
+    assert sheet["d15"] == pytest.approx(741e-12, rel=5e-3)
+    names = ("s11", "s12", "s13", "s33", "s44", "d31", "d33", "d15", "eps_T11", "eps_T33")
+    again = Material.from_mapping({name: sheet[name] for name in names})
+    for name in ("c11", "c12", "c13", "c33", "c44", "e31", "e33", "e15", "eps11", "eps33"):
+        # the stiffness is inverted twice: condition 10, rounding 1e-16
+        assert float(getattr(again, name)) == pytest.approx(float(getattr(material, name)), rel=1e-12)
+
+
+@pytest.mark.parametrize("change", [{"d33": None, "k33": 0.705}, {"s12": None, "s66": 44.28e-12}])
+def test_what_a_sheet_leaves_out_follows_from_the_rest(change: dict[str, Any]) -> None:
+    sheet = {name: value for name, value in {**PZT_5A, **change}.items() if value is not None}
+    assert float(Material.from_mapping(sheet).e33) == pytest.approx(15.8, rel=1e-2)  # k33 has two digits and a half
+
+
+@pytest.mark.parametrize("order", ["IEEE", "Abaqus"])
+def test_matrices_of_both_orders_are_read(order: str) -> None:
+    material = Material.from_mapping(matrices(order))
+    assert [float(material.c44), float(material.c13), float(material.e15)] == [21e9, 74e9, 12.3]
+    assert float(material.eps33) == 7.3e-9
+
+
+@pytest.mark.parametrize(
+    ("entries", "message"),
+    [
+        (PZT_5A | {"s11": 16.4}, r"s11: 16.4 Pa-1 is of a size that no material has; did you mean 16.4e-12 m2/N\?"),
+        (PZT_5A | {"d33": 374}, r"d33: 374 C N-1 .* did you mean 374 pC/N\?"),
+        (PZT_5A | {"eps_r33": 15e-9}, "eps_r33: 1.5e-08 1 .*eps_T11"),
+        (PZT_5A | {"s12": 25e-12}, "compliance is not positive definite"),
+        (PZT_5A | {"k33": 0.3}, "k33 = 0.3 means"),
+        (PZT_5A | {"k33": 70.5}, "k33: 70.5 is not within"),
+        (PZT_5A | {"eps_r33": 300}, "eps_T33 = .* must exceed"),
+        (PZT_5A | {"c11": 120e9}, "s11 and c11: two forms"),
+        (PZT_5A | {"e33": 15.8}, "d31 and e33: two forms"),
+        (PZT_5A | {"s66": 20e-12}, "s66 = 2e-11: with s11"),
+        (PZT_5A | {"s33": "18.8 GPa"}, "s33: .*unit mismatch"),
+        (PZT_5A | {"s33": True}, "s33: True is not a finite number"),
+        ({"E": 70e9}, "nu: missing"),
+        ({"E": 70e9, "nu": 0.6}, "nu: 0.6 is not within"),
+        (matrices("Abaqus") | {"order": "IEEE"}, r"e, row 2, column 4: 0 where a body .* has 12.3"),
+        (matrices("IEEE") | {"order": "ANSYS"}, "order: 'ANSYS' must be IEEE"),
+        (matrices("IEEE") | {"c": [[1.0, 2.0]]}, "c: needs 6 rows of 6 numbers"),
+        (matrices("IEEE") | {"eps": [8.1e-9, 9.9e-9, 7.3e-9]}, "eps, row 2, column 2"),
+        (matrices("IEEE") | {"e33": 15.8}, "e and e33: two forms"),
+    ],
+)
+def test_slips_are_refused_by_name(entries: dict[str, Any], message: str) -> None:
+    with pytest.raises(MaterialError, match=message):
+        Material.from_mapping(entries)
+
+
+PZT = {name: float(getattr(solver.find("PZT-4"), name)) for name in UNITS}
+CASE = {"radius": 0.05, "load": 1e4}
+#: A constant as somebody wrote it, without its unit, and what the question proposes.
+LOST = [
+    ("eps33", 830, "830 eps0"), ("eps11", 5.62, "5.62 nF/m"), ("mu33", 1.0, "1 mu0"), ("mu11", 590, "590 mu0"),
+    ("c11", 139, "139 GPa"), ("c13", 74.3, "74.3 GPa"), ("c12", 77.8, "77.8 GPa"), ("c33", 1.66e12, "dyn/cm2"),
+    ("e33", 1510, "1510 uC/cm2"), ("e31", -520, "-5.2 C/m2"), ("e33", 374e-12, "d = 3.74e-10 C/N"),
+    ("f33", 1.5e-8, "d = 1.5e-08 m/A"), ("g33", 3.0, "3 ps/m"), ("rho", 7.5, "7.5 g/cm3"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "value", "meant"), LOST)
+def test_a_constant_that_lost_its_unit_asks(name: str, value: float, meant: str) -> None:
+    arrays: dict[str, Any] = {key: np.array(number) for key, number in (PZT | {name: value}).items()}
+    entries = PZT | {name: value, "name": "mine"}
+    with pytest.raises(solver.MaterialError, match=f"mine: {name}: .*did you mean") as error:
+        solver.Material.from_mapping(entries)
+    assert meant in str(error.value)
+    with pytest.raises(solver.MaterialError, match=f"{name}: .*did you mean"):
+        solver.solve({"material": solver.Material(**arrays), **CASE})
+    with pytest.raises(solver.MaterialError, match=r"mine \(alternative 1\): .*did you mean"):
+        solver.Material.from_mapping(PZT | {"name": "mine", "alternatives": [{name: value, "source": "a sheet"}]})
+
+
+def test_stiffnesses_in_megapascals_couple_too_much() -> None:
+    scaled = {name: PZT[name] / 1e6 for name in ("c11", "c12", "c13", "c33", "c44")}
+    with pytest.raises(solver.MaterialError, match=r"e33 = 15.1 C m-2 couples c33 = 115000 Pa .* lose its unit"):
+        solver.Material.from_mapping(PZT | scaled)
+
+
+def test_youngs_moduli_and_limits_ask_too() -> None:
+    with pytest.raises(solver.MaterialError, match="did you mean 210 GPa"):
+        solver.Material.isotropic(210, 0.3)
+    with pytest.raises(solver.MaterialError, match="did you mean 35 MPa"):
+        solver.Material.from_mapping(PZT | {"limits": {"tensile_strength": {"value": 35, "source": "a sheet"}}})
+
+
+def test_with_its_unit_any_value_is_taken_and_read_back() -> None:
+    odd = {"eps33": "830 F/m", "rho": "7.5 kg m-3", "e31": "1e-9 C/m2"}
+    others = [{"eps33": "830 F/m", "source": "a sheet"}]
+    limits = {"tensile_strength": {"value": "35 Pa", "source": "a sheet"}}
+    mine = solver.Material.from_mapping(PZT | odd | {"alternatives": others, "limits": limits})
+    assert float(mine.eps33) == 830.0
+    assert mine.plain()["limits"]["tensile_strength"]["value"] == "35.0 Pa"
+    again = solver.Material.from_mapping(mine.plain())
+    assert again.plain() == mine.plain()
+    assert np.isfinite(solver.solve({"material": again.renamed("other"), **CASE})["voltage"])
+    assert float(solver.Material.from_mapping(PZT | {"c11": "139 GPa"}).c11) == 139e9
+    assert float(solver.Material.isotropic("210 GPa", 0.3).c44) == pytest.approx(210e9 / 2.6)
+
+
+def test_usual_materials_and_what_is_computed_of_them_never_ask() -> None:
+    for known in solver.materials().values():
+        for variant in (known, *known.variants()):
+            plain = variant.plain()
+            assert not any(isinstance(plain.get(name), str) for name in USUAL)
+    solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 1e-12).check()  # e33 is next to nothing
+
+
+def test_a_constant_in_megapascals_is_told_by_its_coupling_also_beside_constants_with_units() -> None:
+    """126 000 MPa without its unit is the stiffness of a gel; no gel couples by 23 C/m2."""
+    soft = PZT | {"c11": 126e3, "c12": 79.5e3, "c13": 84.1e3, "c33": 117e3, "c44": 23e3}
+    charged = {name: f"{PZT[name]:g} C/m2" for name in ("e31", "e33", "e15")}
+    with pytest.raises(solver.MaterialError, match="more than any material does"):
+        solver.Material.from_mapping({**soft, **charged})
+
+
+@pytest.mark.parametrize("text", ["830 eps0", "830 ε0", "830 ε₀", "830 ϵ_0"])
+def test_a_suggested_unit_can_be_written(text: str) -> None:
+    material = solver.Material.from_mapping(PZT | {"eps33": text})
+    assert material.eps33 == pytest.approx(830 * 8.8541878188e-12, rel=1e-12)

@@ -67,9 +67,9 @@ def test_constants_for_heat_have_sources_and_sizes_of_solids() -> None:
     assert {name for name, thermal in bodies.items() if "pyroelectric" in thermal} == {
         name for name, body in solver.materials().items() if body.e33 and body.thermal.get("pyroelectric")
     }  # only what is polar
-    own = solver.find("PVDF")
-    assert solver.Material.from_mapping(own.plain()).thermal == own.thermal
-    assert own.variants()[0].thermal == own.thermal
+    polymer = solver.find("PVDF")
+    assert solver.Material.from_mapping(polymer.plain()).thermal == polymer.thermal
+    assert polymer.variants()[0].thermal == polymer.thermal
 
 
 @pytest.mark.parametrize("law", [solver.fibrous, solver.laminate])
@@ -124,24 +124,16 @@ def test_bulk_soft_pzt_loses_its_poling_from_ten_megapascal_on() -> None:
         ({"limits": 3}, "limits: '3' is not a mapping of tensile_strength, "),
         ({"limits": {"strength": {}}}, "limits: 'strength': unknown entry; known are tensile_strength, "),
         ({"limits": {"yield_strength": 3e7}}, "limits: yield_strength: '30000000.0' is not a mapping of value, source"),
-        (
-            {"thermal": {"conductivity": {"value": 0, "source": "x"}}},
-            "thermal: conductivity: value: '0' is not a finite",
-        ),
-        (
-            {"thermal": {"heat_capacity": {"value": "-1 J/m3/K", "source": "x"}}},
-            "thermal: heat_capacity: value: '-1.0' is not a",
-        ),
-        (
-            {"thermal": {"pyroelectric": {"value": -27, "source": "x"}}},
-            "thermal: pyroelectric: -27 C m-2 K-1 is of a size that no material has",
-        ),
+        ({"thermal": {"conductivity": {"value": 0, "source": "x"}}},
+         "thermal: conductivity: value: '0' is not a finite"),
+        ({"thermal": {"heat_capacity": {"value": "-1 J/m3/K", "source": "x"}}},
+         "thermal: heat_capacity: value: '-1.0' is not a"),
+        ({"thermal": {"pyroelectric": {"value": -27, "source": "x"}}},
+         "thermal: pyroelectric: -27 C m-2 K-1 is of a size that no material has"),
         ({"thermal": {"expansion": {"value": "3 ppm"}}}, "thermal: expansion: value: '3 ppm': unit mismatch"),
         ({"limits": {"yield_strength": {"source": "x"}}}, "limits: yield_strength: value: 'nothing' is not a finite"),
-        (
-            {"limits": {"coercive_field": {"value": -1, "source": "x"}}},
-            "limits: coercive_field: value: '-1' is not a finite number > 0 [V m-1]",
-        ),
+        ({"limits": {"coercive_field": {"value": -1, "source": "x"}}},
+         "limits: coercive_field: value: '-1' is not a finite number > 0 [V m-1]"),
         ({"limits": {"yield_strength": {"value": True, "source": "x"}}}, "limits: yield_strength: value: 'True' is"),
         ({"limits": {"yield_strength": {"value": 1e7}}}, "limits: yield_strength: source: '' is not a text that says"),
         ({"limits": {"yield_strength": {"value": 1e7, "unit": "Pa"}}}, "limits: yield_strength: 'unit': unknown entry"),
@@ -149,13 +141,11 @@ def test_bulk_soft_pzt_loses_its_poling_from_ten_megapascal_on() -> None:
         ({"alternatives": [{"c11": 1.2e11}]}, "alternatives: 1: source: '' is not a text that says where it comes"),
         ({"alternatives": [{"source": "x"}]}, "alternatives: 1: no constant; known are c11, "),
         ({"alternatives": [{"e13": 1.0, "source": "x"}]}, "alternatives: 1: 'e13': unknown entry; known are c11, "),
-        (
-            {"alternatives": [{"c11": 1.3e11, "source": "x"}, {"c11": float("inf"), "source": "x"}]},
-            "alternatives: 2: c11: 'inf' is not a finite number [Pa]",
-        ),
+        ({"alternatives": [{"c11": 1.3e11, "source": "x"}, {"c11": float("inf"), "source": "x"}]},
+         "alternatives: 2: c11: 'inf' is not a finite number [Pa]"),
         ({"alternatives": [{"c11": 1e11, "source": "x"}] * 21}, "alternatives: 21 are more than 20"),
     ],
-)
+)  # fmt: skip
 def test_refused_by_name(entries: dict[str, Any], words: str) -> None:
     with pytest.raises(solver.MaterialError) as caught:
         solver.Material.from_mapping(PLAIN | entries)

@@ -15,6 +15,7 @@ from sklearn.exceptions import NotFittedError
 from solver import solve
 from surrogate import FactorialRegressor, FormatError, GridGP, Input, OutOfBoxError, ScatterGP, load, save
 from surrogate.data.points import named_points
+from surrogate.use.export import exported
 from tests.surrogate import functions
 
 COUNTS = (9, 5, 5, 5, 2)
@@ -166,7 +167,7 @@ def test_unsorted_and_transposed_levels_give_the_same_model(model: GridGP) -> No
 
 
 @pytest.mark.parametrize(("level", "deviations"), [(0.95, 1.959963984540054), (0.5, 0.6744897501960817)])
-def test_without_calibration_the_interval_is_that_of_a_normal_distribution(
+def test_uncalibrated_intervals_are_those_of_a_normal_distribution(
     model: GridGP, level: float, deviations: float
 ) -> None:
     answer, interval = model.predict(MIDDLE), model.interval(MIDDLE, level)
@@ -291,7 +292,7 @@ def test_a_model_has_a_level_of_its_own(model: GridGP, tmp_path: Path) -> None:
         xr.testing.assert_identical(known.interval(MIDDLE), model.interval(MIDDLE, 0.8))
         xr.testing.assert_identical(known.gradient(MIDDLE, True), model.gradient(MIDDLE, True, level=0.8))
         np.testing.assert_array_equal(known.interval_array(X), model.interval_array(X, 0.8))
-        plain = known.plain()
+        plain = exported(known)
         assert plain is not None
         assert plain["interval"]["level"] == 0.8
     xr.testing.assert_identical(narrower.interval(MIDDLE, 0.95), model.interval(MIDDLE))

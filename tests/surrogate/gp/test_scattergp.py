@@ -16,7 +16,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
-from surrogate.gp.scattergp import REACH, Chebyshev
+from surrogate.gp.scattergp import DEGREE, REACH, Chebyshev
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
@@ -39,8 +39,8 @@ def correlation(theta: Array, a: Array, b: Array) -> Array:
     """The kernel of points (n, 2) and (m, 2) by its sum, of parameters (variance, two of T_1, two decays, noise)."""
     kernel = np.full((len(a), len(b)), theta[0])
     for x, y, first, rho in zip(a.T, b.T, theta[1:3], theta[3:5], strict=True):
-        weights = np.append(1.0, first * rho ** np.arange(400))
-        kernel *= (chebvander(x, 400) * weights) @ chebvander(y, 400).T
+        weights = np.append(1.0, first * rho ** np.arange(DEGREE))
+        kernel *= (chebvander(x, DEGREE) * weights) @ chebvander(y, DEGREE).T
     return kernel
 
 
@@ -49,9 +49,7 @@ def model() -> ScatterGP:
     return ScatterGP(INPUTS, nugget=1e-4).fit(cases(40))
 
 
-def test_prediction_is_that_of_a_dense_process_and_a_derivative_s_variance_that_of_a_difference(
-    model: ScatterGP,
-) -> None:
+def test_predictions_and_variances_of_derivatives_are_those_of_a_dense_process(model: ScatterGP) -> None:
     data, held, step = cases(40), cases(25, seed=1), 1e-3
     answer, slopes = model.predict(held[["x", "y"]]), model.gradient(held[["x", "y"]], return_std=True)
     t = np.stack([input_.to_unit(data[input_.name]) for input_ in INPUTS], axis=1) / REACH

@@ -185,7 +185,7 @@ def test_a_file_of_before_is_read_and_draws_nothing_together(model: GridGP, tmp_
         (lambda d: d.drop_vars("calibration_length"), "calibration_length"),
     ],
 )
-def test_rows_that_are_none_are_refused(
+def test_bad_rows_are_refused(
     change: Callable[[xr.Dataset], xr.Dataset], says: str, model: GridGP, tmp_path: Path
 ) -> None:
     save(model, tmp_path / "a.nc")

@@ -1,13 +1,19 @@
 """Level counts chosen from a pilot: do they deliver, and what is said when they cannot."""
 
 import re
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.polynomial.chebyshev import chebgauss, chebvander
+from numpy.typing import NDArray
 
-from surrogate import Input
+from surrogate import GridGP, Input
 from surrogate.levels.counts import LevelChoice, UnreachableError, choose, decays
+from surrogate.levels.decay import Decay, decay_of
+from surrogate.levels.pilot import Pilot, explore
+from surrogate.use.validation import validate
 from tests.surrogate import functions
 
 PILOT = (17, 9, 9, 9, 3)
@@ -83,3 +89,129 @@ def test_polynomials_get_exactly_the_levels_that_they_need() -> None:
 def test_senseless_requests_are_refused(pilot: xr.Dataset, tolerance: float, budget: int) -> None:
     with pytest.raises(ValueError, match="must be positive"):
         chosen(pilot, tolerance, budget)
+
+
+Array = NDArray[np.float64]
+Family = Callable[[Array, float], Array]
+
+
+def judged(family: Family, count: int) -> Decay:
+    x = np.sort(chebgauss(count)[0])
+    values = np.stack([family(x, a) for a in np.linspace(-0.9, 0.9, 9)])
+    coefficients = np.abs(np.linalg.solve(chebvander(x, count - 1), values.T)).max(axis=1)
+    return decay_of(coefficients / np.ptp(values))
+
+
+KINKED: tuple[Family, ...] = (
+    lambda x, a: np.abs(x - 0.6 * a) * (1 + 0.3 * x),
+    lambda x, a: np.maximum(np.sin(3 * x + a), np.cos(2 * x)),
+    lambda x, a: np.maximum(x - 0.5 * a, 0) ** 2,
+)
+ANALYTIC: tuple[Family, ...] = (
+    lambda x, a: np.exp(2 * a * x), lambda x, a: np.exp(0.7 * (x + a)) ** 0.3, lambda x, a: 1 / (x + 1.1 + 0.05 * a),
+    lambda x, a: np.sin(4 * x + a), lambda x, a: np.log(x + 1.05), lambda x, a: np.sqrt(x + 1.05 + 0.01 * a),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("count", [9, 17, 40])
+def test_kinks_are_found_and_analytic_functions_are_not_taken_for_kinked(count: int) -> None:
+    assert [judged(family, count).algebraic for family in (*KINKED, *ANALYTIC)] == [True] * 3 + [False] * 6
+
+
+@pytest.mark.parametrize("count", [9, 12, 17, 40])
+@pytest.mark.parametrize(
+    "family",
+    [
+        lambda x, a: 1 / (x + 1.1),
+        lambda x, a: np.exp(2 * x),
+        lambda x, a: np.cosh(2 * x),
+        lambda x, a: np.sinh(2 * x),
+        lambda x, a: 1 / (1 + 4 * x**2),
+        lambda x, a: np.log(x + 1.2),
+    ],
+)
+def test_the_predicted_error_covers_that_of_interpolation_without_waste(family: Family, count: int) -> None:
+    decay = judged(family, count)
+    fine = np.linspace(-1, 1, 2001)
+    for levels in (6, 10, 15, 22, 30):
+        x = np.sort(chebgauss(levels)[0])
+        weights = np.linalg.solve(chebvander(x, levels - 1), family(x, 0.0))
+        error = np.abs(chebvander(fine, levels - 1) @ weights - family(fine, 0.0)).max() / np.ptp(family(fine, 0.0))
+        if error > 1e-11 and levels <= 2 * count:
+            assert error <= decay.error(levels), levels
+        if levels <= count and error > 1e-10:
+            assert decay.error(levels) <= 50 * error, levels
+
+
+def test_affine_functions_are_found_by_their_noise_alone() -> None:
+    assert judged(lambda x, a: 3 + a * x, 3).affine
+    assert judged(lambda x, a: 3 + a * x, 9).affine
+    assert judged(lambda x, a: np.exp(x), 2).affine
+    assert not judged(lambda x, a: 3 + a * x + 1e-9 * x**2, 3).affine
+    assert judged(lambda x, a: 3 + a * x, 3).error(2) == 0
+
+
+Levels = dict[str, NDArray[np.float64]]
+
+
+class Solver:
+    """The test functions on any levels, counting the cases."""
+
+    def __init__(self, inputs: tuple[Input, ...] = functions.INPUTS) -> None:
+        self.inputs, self.cases = inputs, 0
+
+    def __call__(self, levels: Levels) -> xr.Dataset:
+        self.cases += int(np.prod([len(axis) for axis in levels.values()]))
+        return xr.Dataset(functions.outputs({n: xr.DataArray(x, dims=n, coords={n: x}) for n, x in levels.items()}))
+
+
+@pytest.mark.sampled(2)
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_the_counts_deliver_and_are_no_waste(tolerance: float) -> None:
+    solver = Solver()
+    result = explore(solver, functions.INPUTS, tolerance, 1_000_000)
+    assert result.cases == solver.cases <= 1_000_000
+    assert result.choice.affine == ("bias",)
+    assert result.choice.extrapolated == ()
+    assert max(result.choice.error.values()) <= tolerance
+    counts = list(result.choice.counts.values())
+    fresh = functions.scattered(3000, seed=17)
+    assert (
+        float(validate(GridGP(inputs=functions.INPUTS).fit(functions.factorial(counts)), fresh, None).max_error.max())
+        <= tolerance
+    )
+    fewer = [max(2, count - 3) for count in counts]
+    assert (
+        float(validate(GridGP(inputs=functions.INPUTS).fit(functions.factorial(fewer)), fresh, None).max_error.max())
+        > tolerance
+    )
+
+
+def test_a_kink_is_told_from_a_near_pole_by_refinement() -> None:
+    def solve(levels: Levels) -> xr.Dataset:
+        x, y = (xr.DataArray(levels[name], dims=name, coords={name: levels[name]}) for name in ("x", "y"))
+        return xr.Dataset({"pole": 1 / (x + 0.05) + y, "kink": np.maximum(x, 0.4) * y, "smooth": np.exp(x * y)})
+
+    result = explore(solve, [Input("x", 0, 1), Input("y", 0, 1)], 1e-6, 20_000)
+    assert result.choice.kinked == {"kink": ("x",)}
+    assert result.levels["x"] > result.levels["y"]
+    assert bool(result.choice.decay["kinked"].sel(output="kink", input="x"))
+    assert int(result.choice.decay["kinked"].sum()) == 1
+
+
+def test_given_counts_are_kept_and_blamed_when_too_few() -> None:
+    def run(**counts: int) -> Pilot:
+        return explore(Solver(), functions.INPUTS, 1e-4, 1_000_000, fixed=counts)
+
+    assert run(angle=12).choice.counts["angle"] == 12
+    with pytest.raises(UnreachableError, match=r"out of reach with 3 levels of 'angle': output '[a-z_]+' errs by"):
+        run(angle=3)
+
+
+def test_the_budget_bounds_the_pilots_too() -> None:
+    solver = Solver()
+    with pytest.raises(
+        UnreachableError, match=r"^tolerance 1e-09 needs .* the budget is 3,000; 3,000 cases reach about"
+    ):
+        explore(solver, functions.INPUTS, 1e-9, 3000)
+    assert solver.cases <= 3000

@@ -4,6 +4,7 @@ import zipfile
 from collections.abc import Callable, Sequence
 from functools import cache
 from io import BytesIO
+from itertools import product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -19,7 +20,7 @@ from surrogate.use import fmu
 from surrogate.use.ccode import code
 from surrogate.use.rounding import Rounded, rounded
 from tests.compiled import Compiled
-from tests.surrogate import grouped
+from tests.surrogate import curved, grouped
 from tests.surrogate.transforms import test_boundedgp as bounds
 
 gcc = pytest.mark.needs("gcc")
@@ -120,11 +121,51 @@ def assert_agrees(
     assert (np.abs(slopes[answered] - expected).max(axis=0) <= 30 * digits * size).all()
 
 
+#: Numbers that are no points, a denormal within the range of an input, and numbers outside.
+ODD = [np.nan, np.inf, -np.inf, 5e-324, -2.2e-308, 1e300, -3.0]
+
+
+@gcc
+def test_optimisations_change_no_bit_and_what_is_no_point_has_a_status_and_no_number(tmp_path: Path) -> None:
+    _, source = exported(of_bounds(), ["share", "size"], tmp_path, np.float64, 1e-5)
+    plain, quick, fast = (Compiled(source, *flags) for flags in (["-O0"], ["-O2"], ["-O2", "-ffast-math"]))
+    points = spread(of_bounds(), 1000)
+    for output, part in product(range(2), ("interval", "gradient")):
+        same, other = (library.asked(part, points, output)[1] for library in (quick, fast))
+        np.testing.assert_array_equal(plain.asked(part, points, output)[1], same)
+        assert np.abs(other - same).max() <= 1e-6 * np.abs(same).max()
+    assert [library.selftest() for library in (plain, quick, fast)] == [0, 0, 0]
+    outside, abnormal, none = (quick.constants[word] for word in ("OUTSIDE", "NOT_NORMAL", "NO_OUTPUT"))
+    for library, place, part in product((quick, fast), range(2), ("inside", "value", "interval", "gradient")):
+        odd = np.repeat(points[:1], len(ODD), axis=0)
+        odd[:, place] = ODD
+        status, answers = library.asked(part, odd)
+        assert status.tolist() == [abnormal] * 5 + [outside] * 2
+        assert np.isnan(answers).all()
+    for output in (-1, 2):
+        status, answers = quick.asked("value", points[:1], output)
+        assert status.tolist() == [none]
+        assert np.isnan(answers).all()
+
+
 def test_kinds_that_have_no_short_form_are_refused_by_name() -> None:
     x = np.linspace(0, 1, 6)
     model = ScatterGP([Input("x", 0, 1)]).fit(xr.Dataset({"x": ("case", x), "y": ("case", x**2)}))
     with pytest.raises(ValueError, match=r"the surrogate is a ScatterGP \(engine 'scatter'\); exported are GridGP"):
         rounded(model, ["y"], 1e-5, np.float64)
+
+
+def test_smooth_outputs_beside_curves_are_exported_and_largest_values_refused() -> None:
+    model = curved.fitted()
+    (smooth,) = [name for name in model.outputs_ if name not in model.largest]
+    (part,) = rounded(model, [smooth], 1e-5, np.float64)
+    X, place = spread(model, 500), model.outputs_.index(smooth)
+    mean, std = part.exact.predict_array(X, return_std=True)
+    for alone, together in zip((mean, std), model.predict_array(X, return_std=True), strict=True):
+        np.testing.assert_allclose(alone[:, 0], together[:, place], rtol=1e-6, atol=1e-9 * part.size)
+    assert np.abs(part.model.predict_array(X)[:, 0] - mean[:, 0]).max() <= 1.1e-5 * part.size
+    with pytest.raises(ValueError, match=rf"largest values of curves have no short form; exported are {smooth}"):
+        rounded(model, model.outputs_, 1e-5, np.float64)
 
 
 def test_an_error_that_a_precision_does_not_reach_is_refused() -> None:

@@ -21,15 +21,10 @@ Array = NDArray[np.float64]
 # These fit two hundred cases of ten columns, six to fifteen times, or all that a factorial is asked of in every type of
 # numbers; what they say of weights and of several outputs is below too: left to `make soak`.
 SLOW = {
-    "check_dtype_object",
-    "check_estimators_dtypes",
-    "check_positive_only_tag_during_fit",
-    "check_regressor_data_not_an_array",
-    "check_regressor_multioutput",
-    "check_regressors_int",
-    "check_regressors_train",
-    "check_sample_weight_equivalence_on_dense_data",
-}
+    "check_dtype_object", "check_estimators_dtypes", "check_positive_only_tag_during_fit",
+    "check_regressor_data_not_an_array", "check_regressor_multioutput", "check_regressors_int",
+    "check_regressors_train", "check_sample_weight_equivalence_on_dense_data",
+}  # fmt: skip
 LEVELS = [chebyshev_levels(0, 1, 6), chebyshev_levels(1, 50, 7, "log"), chebyshev_levels(-2, 3, 5)]
 
 
@@ -117,17 +112,14 @@ def test_the_cases_decide_the_engine(X: Array, engine: type) -> None:
     ("change", "X", "says"),
     [
         ({"design": "grid"}, fresh(), "design 'grid' is none of auto, factorial, scattered"),
-        (
-            {"design": "factorial"},
-            factorial(LEVELS)[1:],
-            "the 209 cases are no factorial: the columns have 6 x 7 x 5 lev",
-        ),
+        ({"design": "factorial"}, factorial(LEVELS)[1:],
+         "the 209 cases are no factorial: the columns have 6 x 7 x 5 lev"),
         ({}, np.column_stack([fresh(9), np.full(9, 2.5)]), "column 'x3' is 2.5 in all 9 cases; leave it out"),
         ({}, fresh(1), "Found array with 1 sample(s)"),
         ({"inputs": [Input("a", 0, 1)]}, fresh(), "inputs has 1 entries for the 3 columns x0, x1, x2"),
         ({"inputs": [Input("a", 0, 1), Input("b", 1, 9), Input("c", -2, 3)]}, fresh(), "outside its range [1, 9]"),
     ],
-)
+)  # fmt: skip
 def test_bad_cases_are_refused_in_one_line(change: dict[str, Any], X: Array, says: str) -> None:
     with pytest.raises(ValueError, match=re.escape(says)) as caught:
         FactorialRegressor(**change).fit(X, X[:, 0])

@@ -1,13 +1,17 @@
 """Error tables against figures computed by hand, and the baseline."""
 
+from typing import Any
+
 import numpy as np
 import pytest
+import scipy.stats
 import xarray as xr
 from numpy.polynomial.chebyshev import chebval2d, chebvander2d
 from scipy.integrate import quad
 from scipy.stats import binom, norm
 
-from surrogate import GridGP, Input
+from surrogate import GridGP, Input, ScatterGP
+from surrogate.use.sensitivity import sobol
 from surrogate.use.validation import LEVELS, chebyshev_interpolation, crps, ideal, pit, validate
 from tests.surrogate import functions
 
@@ -85,3 +89,84 @@ def test_the_baseline_is_the_polynomial_through_the_data() -> None:
     points = {"x": xr.DataArray(s, dims="point"), "y": xr.DataArray(y.from_unit(t), dims="point")}
     result = chebyshev_interpolation(data, [x, y], points)
     np.testing.assert_allclose(result["f"], chebval2d(s, t, coefficients), rtol=0, atol=1e-13)
+
+
+def ishigami() -> GridGP:
+    inputs = [Input(name, -np.pi, np.pi) for name in ("x1", "x2", "x3")]
+    levels = {input_.name: input_.levels(n) for input_, n in zip(inputs, (26, 30, 10), strict=True)}
+    x = [xr.DataArray(values, dims=name, coords={name: values}) for name, values in levels.items()]
+    f = np.sin(x[0]) + 7 * np.sin(x[1]) ** 2 + 0.1 * x[2] ** 4 * np.sin(x[0])
+    return GridGP(inputs=inputs).fit(xr.Dataset({"f": f, "constant": 0 * x[0] + 3, "single": 2 * x[2] ** 2}))
+
+
+def test_indices_of_the_ishigami_function_are_the_known_ones() -> None:
+    # T. Ishigami and T. Homma (1990), a = 7, b = 0.1
+    a, b, pi = 7.0, 0.1, np.pi
+    v1, v2, v13 = 0.5 * (1 + b * pi**4 / 5) ** 2, a**2 / 8, b**2 * pi**8 * (1 / 18 - 1 / 50)
+    whole = v1 + v2 + v13
+    indices = sobol(ishigami()).sel(output="f")
+    assert float(indices["mean"]) == pytest.approx(a / 2, rel=1e-10)
+    assert float(indices["variance"]) == pytest.approx(whole, rel=1e-10)
+    np.testing.assert_allclose(indices["first_order"], np.array([v1, v2, 0]) / whole, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(indices["total"], np.array([v1 + v13, v2, v13]) / whole, rtol=0, atol=1e-10)
+    want = np.zeros((3, 3))
+    want[0, 2] = want[2, 0] = v13 / whole
+    np.testing.assert_allclose(indices["second_order"], want, rtol=0, atol=1e-10)
+
+
+def test_main_effects_are_the_conditional_means() -> None:
+    indices = sobol(ishigami()).sel(output="f")
+    x = indices["value"]
+    want: dict[str, Any] = {
+        "x1": np.sin(x.sel(input="x1")) * (1 + 0.1 * np.pi**4 / 5),
+        "x2": 7 * np.sin(x.sel(input="x2")) ** 2 - 3.5,
+        "x3": 0 * x.sel(input="x3"),
+    }
+    for name, effect in want.items():
+        np.testing.assert_allclose(indices["main_effect"].sel(input=name), effect, rtol=0, atol=1e-9)
+
+
+def test_indices_under_a_distribution_are_those_of_its_moments() -> None:
+    """Of f = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, with x3 triangular: moments of x3^4 by its density."""
+    low, mode, high = -1.0, 0.5, 2.0
+    triangular = scipy.stats.triang((mode - low) / (high - low), low, high - low)
+    fourth, eighth = (float(triangular.moment(order)) for order in (4, 8))
+    one, two = 0.5 * (1 + 0.1 * fourth) ** 2, 7.0**2 / 8
+    both = 0.5 * 0.1**2 * (eighth - fourth**2)
+    indices = sobol(ishigami(), {"x3": triangular.ppf}).sel(output="f")
+    whole = one + two + both
+    # the quantile function has square roots at its ends, and 64 nodes
+    np.testing.assert_allclose(indices["first_order"], np.array([one, two, 0]) / whole, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(indices["total"], np.array([one + both, two, both]) / whole, rtol=0, atol=1e-5)
+
+
+def test_outputs_of_one_or_no_input_have_trivial_indices() -> None:
+    indices = sobol(ishigami())
+    np.testing.assert_allclose(indices["total"].sel(output="single"), [0, 0, 1], atol=1e-10)
+    np.testing.assert_array_equal(indices["total"].sel(output="constant"), 0)
+
+
+@pytest.fixture(scope="module")
+def fine() -> GridGP:
+    return GridGP(inputs=functions.INPUTS).fit(functions.factorial((22, 6, 6, 6, 2)))
+
+
+def test_intervals_hold_the_indices_of_the_truth_on_a_coarse_grid(fine: GridGP) -> None:
+    truth = sobol(fine)
+    model = (
+        GridGP(inputs=functions.INPUTS)
+        .fit(functions.factorial((6, 3, 3, 3, 2)))
+        .calibrate(functions.scattered(2000, seed=3))
+    )
+    coarse = sobol(model)
+    for name in ("first_order", "total"):
+        assert bool((coarse[f"{name}_low"] <= truth[name] + 1e-12).all())
+        assert bool((coarse[f"{name}_high"] >= truth[name] - 1e-12).all())
+        width = coarse[f"{name}_high"] - coarse[f"{name}_low"]
+        assert 1e-6 < float(width.max()) < 0.7
+
+
+def test_scattered_models_are_refused_by_name() -> None:
+    cases = functions.scattered(20, seed=0)[["mixture", "ratio"]]
+    with pytest.raises(TypeError, match="need a GridGP, GroupedGP or CurveGP, got ScatterGP"):
+        sobol(ScatterGP(outputs=["ratio"]).fit(cases))

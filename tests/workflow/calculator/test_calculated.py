@@ -170,6 +170,7 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
 BALLS = ((3.0, 3e-5), (25.0, 1e-3), (400.0, 3e-2), (3000.0, 2.0), (30.0, 20.0))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", films.FILMS)
 def test_balls_on_films_are_the_solver_s_in_air(name: str) -> None:
     """Compare every figure of the page with the solver at its defaults; three digits are shown: 5e-4."""

@@ -1,7 +1,6 @@
 """The calculator in a browser: what is typed is told, drawn, kept in the link, and anyone can use it."""
 
 import json
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import pytest
 import solver
 from solver.names import ALL_QUANTITIES
 from solver.units import in_si
-from tests.workflow.report.browser import needs_browser, opened
+from tests.workflow.report.browser import axe, needs_browser, opened
 from workflow.calculator import page as calculator
 from workflow.calculator.films import FILMS, PUNCHES, tables, variants
 from workflow.calculator.page import page
@@ -64,21 +63,10 @@ addEventListener("load", async () => {
   out.violations = violations.map(({ id, nodes }) => `${id}: ${nodes.map((one) => one.target).join(" ")}`);
   out.wide = document.documentElement.scrollWidth > innerWidth;
   out.complaints = complaints;
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify(out);
-  document.body.replaceChildren(pre);
+  report(out);
 });
 </script>
 """
-
-
-def axe() -> str:
-    package = find_spec("axe_core_python")
-    assert package is not None
-    assert package.origin is not None
-    checker = Path(package.origin).with_name("axe.min.js").read_text(encoding="utf-8")
-    return f"<script>{checker}</script>"
 
 
 #: Units of the figures of a film on the page.
@@ -154,7 +142,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert seen["restored"] == ["500 µm", "–", 1]
 
 
-def test_the_command_writes_the_page(
+def test_a_command_writes_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(calculator, "tables", lambda: tables(["AlN on silicon"]))

@@ -1,18 +1,23 @@
 """Tables solved in blocks: the bits of one pass, the first row at fault by its line, a bound on the answer."""
 
+import csv
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 
+import solver
 from solver import solve
+from solver.names import POINT_SLIDING
 from storage.netcdf import read_whole, write_whole
 from workflow.cli import main
 from workflow.cli import solve as case_solver
 from workflow.cli.casetable import read_cases
+from workflow.language import grammar
 from workflow.language.wordings import plain
 from workflow.study.reading import InputError
 
@@ -73,7 +78,7 @@ def test_a_row_at_fault_is_named_by_its_line(tmp_path: Path, changed: dict[str, 
         case_solver.solved(read_cases(path), solve)
 
 
-def test_a_long_table_is_answered_in_blocks(
+def test_long_tables_take_blocks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A later block has columns and faults of its own; the file is that of one table, or none."""
@@ -82,7 +87,6 @@ def test_a_long_table_is_answered_in_blocks(
     path.write_text("\n".join([header, *[rows[0]] * 7, *[rows[1]] * 5, *[rows[0]] * 2]) + "\n", encoding="utf-8")
     assert main.main(["solve", str(path), "-o", str(tmp_path / "whole.csv")]) == 0
     said = capsys.readouterr().err.replace("whole", "blocks")
-    monkeypatch.setattr(case_solver, "_LONG", 0)
     monkeypatch.setattr(case_solver, "_BLOCK", 4)
     assert main.main(["solve", str(path), "-o", str(tmp_path / "blocks.csv")]) == 0
     assert capsys.readouterr().err == said
@@ -103,9 +107,83 @@ def test_an_answer_too_large_for_the_memory_is_refused(tmp_path: Path, monkeypat
         case_solver.solved(read_cases(path), solve)
 
 
-def test_a_name_that_a_spreadsheet_would_calculate_stays_a_name(tmp_path: Path) -> None:
+def test_a_name_that_a_spreadsheet_would_calculate_stays_a_name() -> None:
     frame = xr.Dataset(coords={"material": ("case", np.array(["=1+1"], dtype=object))})
-    case_solver.as_csv(frame, tmp_path / "out.csv")
-    assert (tmp_path / "out.csv").read_text(encoding="utf-8") == "material\n'=1+1\n"
+    assert case_solver._as_rows(frame, ["material"]) == "'=1+1\n"
     assert [plain(text) for text in ("=1+1", "+x", "-x", "@x")] == ["'=1+1", "'+x", "'-x", "'@x"]
     assert [plain(cell) for cell in ("a,b", -1.0)] == ["a,b", -1.0]
+
+
+LINES_AND_POINTS = """\
+material,profile,radius [mm],width [um],load,force,thickness [mm],base,friction,electric,surroundings,\
+punch_modulus [GPa],punch_poisson,punch,gap_permittivity,magnetic
+BaTiO3,cylinder,50,,1e4,,,,0.1,,,210,0.3,,,
+BaTiO3,sphere,5,,,1,,,,,,,,,,
+BaTiO3,sphere,5,,,1,0.1,steel,,,insulated,,,brass,,
+BaTiO3,disc,,100,,1,,,,insulating,,,,,,
+PZT-4,,50,,1e4,,0.2,rigid,,,insulated,,,,,
+PZT-4,,50,,1e4,,0.2,steel,,,air,,,,2.2,insulating
+"""
+
+
+def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table, out, sheet = tmp_path / "mixed.csv", tmp_path / "out.nc", tmp_path / "out.csv"
+    table.write_text(LINES_AND_POINTS, encoding="utf-8")
+    assert main.main(["solve", str(table), "-o", str(out)]) == 0
+    assert "empty where a case has no such quantity: " in capsys.readouterr().err
+    data = read_whole(out)
+    assert np.isnan(data["gap_field"].values).tolist() == [True] * 5 + [False]
+    assert data["gap_field"].attrs["comment"] == "no number where a case has none"
+    ball: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 1.0}
+    disc: dict[str, Any] = {"material": "BaTiO3", "profile": "disc", "width": 1e-4, "force": 1.0}
+    cases: list[dict[str, Any]] = [
+        {"material": "BaTiO3", "radius": 0.05, "load": 1e4, "friction": 0.1, "punch": "steel"},
+        ball, ball | {"thickness": 1e-4, "base": "steel", "surroundings": "insulated", "punch": "brass"},
+        disc | {"electric": "insulating"},
+        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid",
+         "surroundings": "insulated"},
+        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "steel", "surroundings": "air",
+         "gap_permittivity": 2.2, "magnetic": "insulating"},
+    ]  # fmt: skip
+    for row, case in enumerate(cases):
+        exact = solver.solve(case)
+        for name in set(exact.data_vars) | set(data.data_vars):
+            value = float(data[str(name)][row])
+            known = name in exact and name not in POINT_SLIDING  # the column of frictions gives points theirs
+            assert not known or value == pytest.approx(float(exact[name]), rel=1e-9), (row, name)
+            assert known or np.isnan(value) or name in POINT_SLIDING, (row, name)
+    np.testing.assert_array_equal(data["radius"], [0.05, 5e-3, 5e-3, np.nan, 0.05, 0.05])
+    assert main.main(["solve", str(table), "-o", str(sheet)]) == 0
+    rows = list(csv.DictReader(sheet.read_text(encoding="utf-8").splitlines()))
+    assert float(rows[1]["contact_radius [m]"]) == float(data["contact_radius"][1])
+    assert (rows[0]["contact_radius [m]"], rows[4]["base"], rows[1]["base"]) == ("", "rigid", "")
+    assert main.main(["solve", str(table), "-o", str(sheet), "--positions", "0"]) == 2
+
+
+def test_fields_inside_films_end_at_a_rigid_base(tmp_path: Path) -> None:
+    table, out = tmp_path / "films.csv", tmp_path / "inside.nc"
+    rows = "".join(f"PZT-4,0.05,1e5,0.5,{base},insulated\n" for base in ("rigid", "steel"))
+    table.write_text(f"material,radius,load,thickness [mm],base,surroundings\n{rows}", encoding="utf-8")
+    grid = ["--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises"]
+    assert main.main(["interior", str(table), "-o", str(out), *grid]) == 0
+    data = read_whole(out)
+    assert np.isnan(data["von_mises"].values).any(axis=2).tolist() == [[True, False], [False, False]]
+    assert np.all(data["stress_yy"].values[:, 1] < 0)
+
+
+def test_the_place_between_two_patches_is_told_as_far_as_the_noise_lets_it() -> None:
+    """On a device: sqrt(2) of the charge noise over what the difference of both charges changes by a metre."""
+    cover = solver.Stack([solver.Layer(solver.find("PDMS"), 1e-3, "grounded"), solver.Layer(solver.find("PVDF"), 1e-4)])
+    case: dict[str, Any] = {"profile": "sphere", "radius": 0.01, "force": 0.5, "punch": "skin", "body": cover}
+    read = {"electric": "insulating", "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
+    gradient = float(solver.solve(case | read | {"patch_pitch": 4e-3})["patch_charge_gradient"])
+    step = 1e-6
+    places = np.array([2e-3 - step, 2e-3 + step, -2e-3 - step, -2e-3 + step])
+    charges = solver.solve(case | read | {"patch_position": places})["patch_charge_per_force"].values
+    moved = (
+        0.5 * ((charges[3] - charges[2]) - (charges[1] - charges[0])) / (2 * step)
+    )  # of the difference, by the contact's place
+    figure = grammar.parse("position_resolution", "point")
+    known = {"charge_noise": 1e-15, "patch_charge_gradient": gradient, "force": 0.5}
+    resolution = float(figure.evaluate({name: np.array(known[name]) for name in figure.names()}))
+    assert resolution == pytest.approx(np.sqrt(2) * 1e-15 / abs(moved), rel=1e-4)

@@ -47,9 +47,7 @@ def test_devices_and_pipes_are_refused(tmp_path: Path) -> None:
         ("load [kN·m⁻¹],charge,base_modulus\n1.5×10¹,−2 µC·m⁻¹,2.1×10¹¹\n", [[1.5e4], [-2e-6], [2.1e11]]),
     ],
 )
-def test_a_cell_may_have_its_unit_and_printed_numbers_are_read(
-    text: str, expected: list[list[float]], tmp_path: Path
-) -> None:
+def test_cells_with_units_and_printed_numbers_are_read(text: str, expected: list[list[float]], tmp_path: Path) -> None:
     path = tmp_path / "cases.csv"
     path.write_text(text, encoding="utf-8")
     assert [column.tolist() for column in read_cases(path).columns.values()] == expected
@@ -152,9 +150,7 @@ def test_words_for_missing_values_are_refused(column: str, other: str, tmp_path:
         (b"base_modulus\n200\n", "200 is 200 Pa; did you mean 200 GPa?"),
     ],
 )
-def test_what_is_no_table_is_refused_by_its_reason(
-    content: bytes, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bad_tables_are_refused(content: bytes, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(casetable, "_MOST_CASES", 20)
     monkeypatch.setattr(casetable, "_MOST_LINES", 80)
     path = tmp_path / "cases.csv"

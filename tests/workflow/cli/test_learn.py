@@ -92,7 +92,7 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("voltage [kV]", "voltage [nV]", "voltage[laminate]: measured values are 1.1e-12 times"),
     ],
 )
-def test_rows_that_do_not_fit_are_refused(
+def test_bad_rows_are_refused(
     old: str, new: str, reason: str, project: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = (project / "rows.csv").read_text(encoding="utf-8")

@@ -257,6 +257,9 @@ def test_one_case_is_printed_in_engineering_units(flux: str, capsys: pytest.Capt
     assert main.main(["solve", "--at", f"material=PZT-4,profile=sphere,radius=5 mm,force=1 N{flux}"]) == 0
     quantities, left_out = capsys.readouterr().out.split("\n\n")
     assert "left out: Adhesion is 0.12 % of the force; 50 mJ/m² holds the ball with 1.2 mN." in left_out.splitlines()
+    magnetic_default = ["magnetic conducting"] if flux else []
+    defaults = ["punch rigid", "friction 0", "electric conducting", *magnetic_default, "total_charge 0"]
+    assert left_out.splitlines()[0] == f"defaults: {', '.join(defaults)}"
     printed = dict(line.split(maxsplit=1) for line in quantities.splitlines())
     case = {"material": "PZT-4", "profile": "sphere", "radius": 5e-3, "force": 1.0}
     exact = solver.solve(case | ({"total_flux": 1e-9} if flux else {}))

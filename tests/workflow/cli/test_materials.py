@@ -131,7 +131,7 @@ GOOD = "c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\n"
         ("- 1\n", "not a mapping"),
     ],
 )
-def test_bad_material_files_are_refused_in_one_line(
+def test_bad_materials_are_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
 ) -> None:
     path = tmp_path / "m.yaml"

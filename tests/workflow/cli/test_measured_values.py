@@ -36,14 +36,7 @@ def told(capsys: pytest.CaptureFixture[str], text: str) -> list[float]:
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "-519+-1%",
-        "-0.519kV+-1%",
-        "-519e3mV+-5190 mV",
-        "-0.519+-0.00519 kV",
-        "−519 ± 1 %",
-        "-5.19×10² V +/- 5.19 V",
-    ],
+    ["-519+-1%", "-0.519kV+-1%", "-519e3mV+-5190 mV", "-0.519+-0.00519 kV", "−519 ± 1 %", "-5.19×10² V +/- 5.19 V"],
 )
 def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixture[str]) -> None:
     mean, low, high = told(capsys, text)

@@ -21,9 +21,7 @@ def test_cores_are_a_number_from_one_on_or_all(count: str, capsys: pytest.Captur
 
 
 @pytest.mark.parametrize("command", [["solve"], ["interior", "--x=0", "--y=-1"]])
-def test_netcdf_is_not_written_under_the_name_of_another_format(
-    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_netcdf_has_no_other_suffix(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "x.xlsx"
     assert "must end in .nc" in complaint(capsys, *command, ROOT / "examples/cases.csv", "-o", out)
     assert not out.exists()
@@ -49,9 +47,7 @@ def test_a_composite_without_a_law_is_no_laminate() -> None:
 
 @pytest.mark.process
 @pytest.mark.parametrize("folder", ["müller", "a'b", 'a"b', "a b", "a: b #c", "100%25", "a\\b"])
-def test_snakemake_hands_on_the_path_of_a_study_whatever_it_holds(
-    folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_snakemake_hands_on_any_path_of_a_study(folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "environ", {**os.environ})
     path = tmp_path / folder / "mine.yaml"
     path.parent.mkdir()
@@ -98,9 +94,7 @@ def test_a_file_where_results_would_go_is_named(name: str, mine: Path, capsys: p
     assert f"{name}: is no folder" in capsys.readouterr().err
 
 
-def test_results_of_another_study_of_the_same_name_are_not_replaced(
-    mine: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_results_of_a_namesake_are_not_replaced(mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
     first = Path("config/mine.yaml")
     first.parent.mkdir()
     first.write_text(STUDY, encoding="utf-8")

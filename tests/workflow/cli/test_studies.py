@@ -1,13 +1,18 @@
 """A study of one's own to begin with, and the names that it may use."""
 
+import io
+import logging
 import re
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from solver.names import ALL_QUANTITIES
 from workflow.cli import studies
 from workflow.cli.main import main
+from workflow.cli.progress import Progress, busy, followed, step
 from workflow.run.sources import ROOT
 from workflow.study.model import load
 from workflow.study.reading import InputError, read_yaml
@@ -57,3 +62,87 @@ def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     first, *others = studies.listed("studies").splitlines()
     assert first.split() == ["mine", "My", "own"]
     assert [line.split() for line in others] == [line.split() for line in local.splitlines()]
+
+
+class Terminal(io.StringIO):
+    """A stream that people look at."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def record(event: str = "", level: int = logging.INFO, message: str = "", **known: Any) -> logging.LogRecord:
+    """Record of Snakemake's log."""
+    entry = logging.LogRecord("snakemake.logging", level, "", 0, message, None, None)
+    entry.__dict__.update(known, event=type("Event", (), {"value": event})())
+    return entry
+
+
+def told(shown: Progress) -> list[bool]:
+    """Two jobs that begin, one that ends, and lines of Snakemake's own."""
+    lines = [
+        record("run_info", message="Job stats"),
+        record("job_info", jobid=3, rule_name="surrogate", wildcards={"study": "quickstart"}),
+        record("job_info", jobid=4, rule_name="target", wildcards={"study": "quickstart", "name": "sensor"}),
+        record("job_finished", job_id=3, message="Finished jobid: 3"),
+        record("progress", done=5, total=19),
+        record(message="Nothing to be done (all requested files are present and up to date)."),
+        record("job_error", logging.ERROR, "Error in rule surrogate"),
+    ]
+    return [shown.filter(entry) for entry in lines]
+
+
+def test_a_log_has_a_line_a_step_and_a_terminal_one_line_in_all() -> None:
+    study = load("config/quickstart.yaml")
+    for stream in (io.StringIO(), Terminal()):
+        shown = Progress(lambda rule, wildcards: step(study, rule, wildcards), stream)
+        assert told(shown) == [False] * 5 + [True] * 2
+        fitting = "fitting the surrogate (21 quantities, 41,600 cases)"
+        if stream.isatty():
+            shown.clear()
+            lines = stream.getvalue().split("\r\x1b[K")
+            assert lines[1:3] == [fitting, f"{fitting}, target sensor"]
+            assert "5 of 19 steps done; target sensor" in lines
+            assert stream.getvalue().endswith("\r\x1b[K")
+            assert "\n" not in stream.getvalue()
+        else:
+            assert stream.getvalue() == f"{fitting}\ntarget sensor\n"
+
+
+@pytest.mark.parametrize(
+    ("rule", "wildcards", "words"),
+    [("slab", {"slab": "1"}, "solving the data set, part 2 of 2"), ("figure_errors", {}, "drawing errors"),
+     ("figure_design", {"name": "sensor"}, "drawing design sensor"), ("check", {"group": "integral_equations"},
+     "verification integral equations"), ("report", {}, "writing the page")],
+)  # fmt: skip
+def test_a_step_is_said_by_what_it_does(rule: str, wildcards: dict[str, str], words: str) -> None:
+    assert step(load("config/quickstart.yaml"), rule, {"study": "quickstart", **wildcards}) == words
+
+
+def test_every_rule_has_words() -> None:
+    rules = [line.split()[1].rstrip(":") for file in Path("workflow/rules").glob("*.smk")
+             for line in file.read_text(encoding="utf-8").splitlines() if line.startswith("rule ")]  # fmt: skip
+    study, names = load("config/quickstart.yaml"), {"slab": "0", "name": "one", "group": "two", "round": "1"}
+    assert len(rules) > 20
+    assert all(rule.startswith("figure_") or "drawing" not in step(study, rule, names) for rule in rules)
+
+
+def test_only_a_terminal_sees_the_present_step(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with busy("searching") as tell:
+        tell("polishing")
+    assert capsys.readouterr() == ("", "")
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    with busy("searching") as tell:
+        tell("polishing")
+    clear = "\r\x1b[K"
+    assert terminal.getvalue() == f"{clear}searching ...{clear}polishing ...{clear}"
+
+
+def test_snakemakes_line_about_its_options_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
+    with followed(load("config/quickstart.yaml"), io.StringIO()):
+        print("Using workflow specific profile /somewhere for setting default command line arguments.", file=sys.stderr)
+        print("Error: what a reader needs", file=sys.stderr)
+    assert capsys.readouterr().err == "Error: what a reader needs\n"

@@ -2,7 +2,9 @@
 
 import contextlib
 import io
+import os
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,6 +27,18 @@ def test_any_terminal_can_print_any_command(encoding: str, command: list[str], m
     for stream in streams:
         stream.flush()
         assert b"?" not in stream.buffer.getvalue().replace(b"?\n", b"").replace(b"? ", b"")
+
+
+def test_messages_that_nobody_reads_stop_no_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cases, answer = tmp_path / "cases.csv", tmp_path / "answer.csv"
+    cases.write_text("material,profile,radius,force\nPZT-4,sphere,5 mm,1 N\n", encoding="utf-8")
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w", encoding="utf-8") as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        assert main.main(["solve", str(cases), "-o", str(answer)]) == 0
+        monkeypatch.undo()
+    assert answer.read_text(encoding="utf-8").count("\n") == 2
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])

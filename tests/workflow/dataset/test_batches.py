@@ -8,7 +8,7 @@ import pytest
 
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP
-from tests.studies import edited, fitted, made, refusal
+from tests.studies import edited, fitted, made
 from workflow.dataset import batches, datacard, draws, factorial
 from workflow.dataset.slabs import gather
 from workflow.learning import training
@@ -96,25 +96,6 @@ def test_the_card_counts_what_was_solved(study: Study, slabs: list[Path]) -> Non
     assert card["cases"] == 6 * places == 6 * sum(file["levels"] for file in card["files"])
     assert card["positions"] == []
     assert "a cross approximation asked for" in datacard.markdown(card)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        ("0.55, levels: 3}", "0.55}", "factors: volume_fraction: levels are missing; surrogate: method: cross needs"),
-        ("outputs: [v", "fields: 8, outputs: [v", "surrogate: method: cross learns no fields"),
-        ("slabs: 2", "slabs: 2, budget: 5", "factors: 6 cases at a place are more than dataset: budget: 5"),
-        ("slabs: 2", "slabs: 2, peaks: true", "dataset: peaks: surrogate: method: cross learns no largest stresses"),
-        ("method: cross", "method: kross", "surrogate.method: 'kross': input should be"),
-        (
-            "volume_fraction: volume_fraction, thickness: thickness}",
-            "volume_fraction: volume_fraction, thickness: 2e-4}",
-            "body.1: thickness: 'thickness' must be <word>_thickness, or a number",
-        ),
-    ],
-)
-def test_bad_studies_are_refused_in_one_line(old: str, new: str, expected: str) -> None:
-    assert expected in refusal(edited(FILM, old, new))
 
 
 HALF_PLANE = """\

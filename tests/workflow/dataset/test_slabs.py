@@ -2,7 +2,11 @@
 
 import json
 import os
+import pty
 import shutil
+import struct
+import termios
+from fcntl import ioctl
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -16,9 +20,11 @@ from hypothesis import strategies as st
 
 from solver.fields import FIELDS
 from solver.names import QUANTITIES
+from tests import warm
 from tests.studies import data_set, made
 from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
+from workflow.run.provenance import ROOT
 from workflow.study import partition
 from workflow.study.model import Study
 
@@ -175,3 +181,27 @@ def test_blocks_fill_the_factorial_in_order_of_whole_chunks(lengths: list[int], 
     number = np.ravel_multi_index(tuple(places), tuple(lengths))
     held = [set(number[region].ravel().tolist()) for region in regions]
     assert sum(map(len, held)) == len(set().union(*held))  # no chunk lies in two blocks
+
+
+CODE = """
+from pathlib import Path
+from workflow.dataset import slabs
+from workflow.study import model
+study = model.load('config/quickstart.yaml')
+dataset = study.dataset.model_copy(update={{"slabs": 26}})
+slabs.write_slab(study.model_copy(update={{"dataset": dataset}}), 0, Path({path!r}))
+"""
+
+
+def test_progress_shows_on_a_terminal_and_stays_out_of_a_log(tmp_path: Path) -> None:
+    command = ["python", "-c", CODE.format(path=str(tmp_path / "slab.nc"))]
+    assert warm.run(command, ROOT).stderr == ""
+    ours, theirs = pty.openpty()
+    ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
+    shown = warm.Running(command, ROOT, ROOT, (os.devnull, os.devnull, os.ttyname(theirs)))
+    assert shown.wait() == 0
+    os.close(theirs)
+    text = os.read(ours, 4096)
+    os.close(ours)
+    assert b"slab 1 of 26" in text
+    assert b"/1600" in text

@@ -72,12 +72,9 @@ def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask) -> None:
 
 
 @pytest.mark.parametrize(
-    ("profile", "flagged"),
-    [({"radius": 1e-7}, True), ({"profile": "flat", "width": 1e-4}, False)],
+    ("profile", "flagged"), [({"radius": 1e-7}, True), ({"profile": "flat", "width": 1e-4}, False)]
 )
-def test_a_contact_too_wide_for_its_parabola_is_told_of_a_fixed_radius_too(
-    ask: Ask, profile: dict[str, Any], flagged: bool
-) -> None:
+def test_too_wide_a_contact_is_told_of_a_fixed_radius_too(ask: Ask, profile: dict[str, Any], flagged: bool) -> None:
     target = {"maximise": "abs(voltage_per_load)", "over": ["volume_fraction", "load"]}
     answer = ask({"volume_fraction": FRACTION, "load": LOAD}, profile, **target)
     flags = answer.flags

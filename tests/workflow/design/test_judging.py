@@ -1,12 +1,32 @@
 """Judgements of one design against closed forms: Hertz on a body without charges, bounds of the library."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+import xarray as xr
+from numpy.typing import NDArray
 
+from solver import Material, solve
+from surrogate import GridGP, Input
+from surrogate.search.optimise import maximise
+from surrogate.search.pareto import Front
 from tests.studies import shipped
+from tests.surrogate import curved
 from tests.workflow.design import standin
+from workflow.design.question import terms
+from workflow.design.question.pilot import smooth_pieces
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Exact, Predicted
+from workflow.design.search import polish, targets
+from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment, linearity, merit
 from workflow.design.verdict import assessment as sensitivity
+from workflow.language import statements, statistics
+from workflow.language.grammar import parse
+from workflow.study.keys import Origin
+from workflow.study.model import Study, remade
+from workflow.study.target import Target
 
 HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius
 AT = {"radius": 0.1, "load": 1e4}
@@ -66,3 +86,160 @@ def test_a_wide_or_deep_contact_is_beyond_small_strain() -> None:
     assert deep[0] == "a depth of 2.4 mm is 0.8 of the film's thickness and exceeds 0.1 of it"
     assert linearity.beyond_small_strain(fingertip, corner, 3 * radius, None) == []
     assert linearity.beyond_small_strain(fingertip, corner, None, 10 * thickness) == []
+
+
+def searched(candidate: Candidate) -> Candidate:
+    """A candidate at its best on what stands for the surrogate."""
+    best = maximise(candidate.problem(candidate.question.predicted), scan=64)
+    return Candidate({}, candidate.question, best)
+
+
+@pytest.mark.parametrize("off", [0.03, -0.03])
+def test_a_polish_keeps_the_limit_that_a_surrogate_breaks(off: float) -> None:
+    target = {"maximise": "load", "over": ["load"], "at": {"radius": 0.1}, "subject_to": ["peak_pressure <= 100 MPa"]}
+    study = standin.study(fixed=standin.FIXED | {"friction": 0.0})
+    polished = polish.first_feasible([searched(standin.candidate(study, off, **target))])
+    (load,) = polished.design.variables["load"]
+    pressure = solve({**standin.FIXED, "friction": 0.0, "radius": 0.1, "load": load})["peak_pressure"]
+    assert polished.best.feasible
+    assert float(pressure) == pytest.approx(100e6, rel=1e-8)
+    assert float(pressure) <= 100e6 * (1 + 1e-12)
+
+
+def test_a_tolerance_costs_what_it_keeps_away_from_the_limit() -> None:
+    study = standin.study()
+    target = Target(maximise="radius", over=["radius"], at={"load": 1e4}, tolerance={"radius": "5 %"},
+                    subject_to=["radius <= 100 mm"])  # fmt: skip
+    candidate = standin.candidate(study, **target.model_dump())
+    best = searched(candidate)
+    without = searched(standin.candidate(study, **targets.without_tolerances(target).model_dump()))
+
+    def other(target: Target) -> Question:
+        return Question(study, target, candidate.question.predicted, candidate.question.exact, {"load": 1e4})
+
+    costs = targets.costs(best, without, other)
+    assert float(best.design.variables["radius"][0]) == pytest.approx(0.1 / 1.05, rel=1e-9)
+    assert costs.exact == pytest.approx(0.1, rel=1e-9)
+    # the goal counts the least radius within the tolerance, 0.95 of the design's
+    assert costs.cost["radius"] == pytest.approx(1.05 / 0.95 - 1, rel=1e-6)
+    assert costs.gain["radius"] == pytest.approx((0.975 / 1.025) / (0.95 / 1.05) - 1, rel=1e-6)
+
+
+def test_the_front_of_all_choices_is_what_none_of_them_dominates() -> None:
+    def part(rows: list[list[float]]) -> xr.Dataset:
+        return xr.Dataset({"front_exact": (("front", "objective"), np.array(rows))})
+
+    merged = targets.merged({"a": part([[3.0, 1.0], [1.0, 3.0]]), "b": part([[2.0, 2.0], [2.0, 0.5]])}, np.ones(2))
+    assert merged["front_exact"].values.tolist() == [[1.0, 3.0], [2.0, 2.0], [3.0, 1.0]]
+    assert merged["front_choice"].values.tolist() == ["a", "b", "a"]
+    fronts = [
+        Front(np.empty((2, 0)), np.array(rows), np.zeros(2), np.ones(2))
+        for rows in ([[3.0, 1.0], [1.0, 3.0]], [[2.0, 0.0]])
+    ]
+    least, span = targets.normalisation(fronts)
+    assert (least.tolist(), span.tolist()) == ([1.0, 1.0], [2.0, 2.0])  # the second front is dominated
+
+
+def test_map_and_slices_are_the_terms_about_the_design() -> None:
+    study = standin.study()
+    limit = "trailing_tension <= 50 MPa"
+    design = standin.design(study, AT, maximise="peak_pressure", over=["radius", "load"], subject_to=[limit])
+    pictures = targets.map_and_slices(design)
+    over = {"radius": pictures["map_x"].values[::20], "load": pictures["map_y"].values[::20]}
+    exact = solve({**standin.FIXED, **over}).transpose(*over)
+    np.testing.assert_allclose(pictures["map_objective"].values[::20, ::20], exact["peak_pressure"], rtol=1e-9)
+    np.testing.assert_allclose(
+        pictures["map_excess"].values[::20, ::20], exact["trailing_tension"] / 50e6 - 1, rtol=1e-9, atol=1e-9
+    )
+    load_slice = pictures.sel(slice="load")
+    along = solve({**standin.FIXED, "radius": 0.1, "load": load_slice["slice_value"].values})["peak_pressure"]
+    np.testing.assert_allclose(load_slice["slice_objective"], along, rtol=1e-9)
+    assert np.all(load_slice["slice_low"] <= load_slice["slice_objective"])
+
+
+def term(text: str, bound: float) -> terms.Term:
+    """A limit over the worst case."""
+    return terms.limited(statements.limit(text), 1.0, bound, drawn=False)
+
+
+def test_a_limit_counts_its_largest_use_and_an_objective_its_least() -> None:
+    values = np.array([[[1.0, 4.0], [3.0, 2.0]]])
+    upper = term("voltage <= 2 V", 2.0)
+    assert upper.counted(values) == [4.0]
+    assert upper.oriented(4.0) == pytest.approx(1.0)  # excess over the bound, relative
+    assert upper.weights(values[0]).tolist() == [0, 1, 0, 0]
+    assert upper.deciding(values[0]).tolist() == [False, True, False, False]
+    goal = terms.wanted(statements.objective("voltage"), statistics.Worst())
+    assert goal.counted(values) == [1.0]
+    mean = terms.wanted(statements.objective("voltage"), statistics.Mean(1.0))
+    assert mean.counted(values) == pytest.approx([1.0])  # the lesser of 2.5 - 1.5 and 2.5 - 0.5, groups of two draws
+
+
+def test_two_limits_meet_in_an_equality() -> None:
+    upper, lower = term("voltage <= 2 V", 2.0), term("voltage >= 2 V", 2.0)
+    assert upper.meets(lower)
+    assert not upper.meets(term("voltage >= 1 V", 1.0))
+    assert not upper.meets(upper)
+
+
+@pytest.mark.parametrize("text", ["min(load, 2 - load)", "-abs(load - 1)", "-max(abs(load), 0.5)"])
+def test_the_least_of_smooth_pieces_is_the_expression(text: str) -> None:
+    known = {"load": np.linspace(-3, 3, 61)}
+    expression = parse(text)
+    pieces = smooth_pieces(expression, 1.0, known)
+    assert len(pieces) > 1
+    least = np.min([np.broadcast_to(piece.evaluate(known), 61) for piece in pieces], 0)
+    np.testing.assert_allclose(least, expression.evaluate(known), atol=1e-12)
+    assert smooth_pieces(expression, -1.0, known) == [expression]  # the most of them is no least
+
+
+def test_curves_are_asked_for_the_quantities_of_a_term_even_if_it_has_none() -> None:
+    model = curved.fitted()
+    source = Predicted(model)
+    X = np.array([[0.2, 0.8], [-0.5, 1.3]])
+    factors = {"a": X[:, 0], "b": X[:, 1]}
+    assert source.values(factors, []) == {}  # a goal that is a factor
+    assert source.slopes(factors, [], ["a"]) == {}
+    place = model.outputs_.index("place")
+    np.testing.assert_allclose(source.values(factors, ["place"])["place"], model.predict_array(X)[:, place], rtol=1e-5)
+
+
+def test_errors_of_one_quantity_are_its_own_and_those_of_several_go_together() -> None:
+    random, axis = np.random.default_rng(0), Input("x", 0.0, 1.0)
+
+    def outputs(x: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        return {"one": 1 / (x + 0.1), "same": 2 + 3 / (x + 0.1)}
+
+    grid = xr.Dataset({name: ("x", values) for name, values in outputs(axis.levels(9)).items()}, {"x": axis.levels(9)})
+    held = random.uniform(0, 1, 400)
+    cases = xr.Dataset({name: ("case", values) for name, values in {"x": held, **outputs(held)}.items()})
+    model = GridGP(inputs=[axis]).fit(grid).calibrate(cases)
+    source, factors, X = Predicted(model), {"x": np.array([[0.3]])}, np.array([[0.3]])
+    mean, std = model.predict_array(X, return_std=True)
+    reach = np.abs(np.stack(model.interval_array(X))[:, 0] - mean).max(axis=0)
+    for k, name in enumerate(model.outputs_):
+        assert source.errors(factors, {name: np.array([-2.0])}) == pytest.approx(
+            (2 * std[0, k], 2 * reach[k]), rel=1e-9
+        )
+    cancelled = source.errors(factors, {"one": np.array([3.0]), "same": np.array([-1.0])})
+    added = source.errors(factors, {"one": np.array([3.0]), "same": np.array([1.0])})
+    assert cancelled[1] < 0.02 * reach[1]
+    assert added[1] == pytest.approx(2 * reach[1], rel=0.05)  # a quantile of 400 rows
+    assert source.errors(factors, {"one": np.array([0.0])}) == (0.0, 0.0)
+
+
+def test_the_field_below_a_contact_is_what_charges_make_and_does_not_depend_on_the_datum() -> None:
+    """A pure dielectric below a conducting strip: D_y = T / (pi h) in the middle, where the field is the largest."""
+    load, charge, width, eps33 = 1e3, 2e-6, 1e-3, 1e-9
+    plain = {"c11": 1e11, "c12": 4e10, "c13": 4e10, "c33": 1e11, "c44": 3e10}
+    mine = Material.from_mapping({"name": "plain", **plain, "eps11": 4 * eps33, "eps33": eps33})
+    text = {"title": "a strip", "fixed": {"profile": "flat", "material": "plain", "width": width, "charge": charge}}
+    study = Study.model_validate(
+        text | {"factors": {"load": {"low": 500, "high": 2000, "levels": 3}}}, context=Origin(Path(), {"plain": mine})
+    )
+    rows = [
+        Exact(remade(study, fixed={**study.fixed, "datum": datum})).field_below({"load": np.array([[load]])})
+        for datum in (0.1, 10.0)
+    ]
+    assert rows[0] == pytest.approx(charge / (np.pi * width / 2) / eps33, rel=1e-9)
+    assert rows[1] == pytest.approx(rows[0], rel=1e-12)

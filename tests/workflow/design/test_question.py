@@ -122,9 +122,7 @@ def test_questions_without_sense_are_named(study: Study, model: GridGP, change: 
         ("deviation(depth) <= 50", False, ""),
     ],
 )
-def test_a_number_without_its_unit_is_told_at_once(
-    study: Study, model: GridGP, limit: str, refused: bool, meant: str
-) -> None:
+def test_a_number_without_unit_is_told(study: Study, model: GridGP, limit: str, refused: bool, meant: str) -> None:
     target = TARGETS["worst"].model_copy(update={"subject_to": [limit]})
     if refused:
         with pytest.raises(InputError, match=meant):
@@ -152,9 +150,7 @@ def test_a_chance_constraint_binds_at_its_probability(study: Study, model: GridG
     assert answer.terms[0].exact == pytest.approx(mean, rel=1e-4)
 
 
-def test_an_exact_value_outside_its_interval_fails(
-    study: Study, model: GridGP, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_exact_value_outside_its_band_fails(study: Study, model: GridGP, monkeypatch: pytest.MonkeyPatch) -> None:
     class Wrong(Predicted):
         """A surrogate that is off by 5 %."""
 

@@ -1,5 +1,6 @@
-"""Designs that keep their limits within tolerances, against dense exact searches and samples."""
+"""Tolerances of designs and the spread by constants, against dense searches and materials that are moved by hand."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,16 +8,18 @@ import pytest
 import xarray as xr
 from scipy import stats
 
-from solver import solve
+from solver import find, solve
 from surrogate import GaussianProcess
 from tests import studies
+from tests.studies import fitted, made
 from workflow.design.question import scenarios
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
-from workflow.design.wording import words
+from workflow.design.wording import asides, words
 from workflow.study.consistency import check_target
 from workflow.study.model import Study
 from workflow.study.target import Distribution, Target
+from workflow.study.uncertainty import FAMILIES, uncertain
 
 STUDY = """\
 title: A small study
@@ -34,25 +37,25 @@ FRICTION = np.linspace(0.1, 0.4, 5)
 
 
 @pytest.fixture(scope="module")
-def fitted() -> tuple[Study, GaussianProcess]:
+def composite() -> tuple[Study, GaussianProcess]:
     study = studies.made(STUDY)
     return study, studies.fitted(study)
 
 
-def answer(fitted: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
+def answer(composite: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
     content = {
         "maximise": "abs(voltage_per_load)", "over": OVER, "worst_case": {"friction": [0.1, 0.4]},
         "subject_to": ["trailing_tension <= 50 MPa"],
     }  # fmt: skip
     target = Target.model_validate(content | changed)
-    check_target(fitted[0], "mine", target)
-    return targets.answer(fitted[0], "mine", target, fitted[1])
+    check_target(composite[0], "mine", target)
+    return targets.answer(composite[0], "mine", target, composite[1])
 
 
-def test_the_worst_of_the_tolerances_keeps_the_limit_and_costs_what_a_dense_search_says(
-    fitted: tuple[Study, GaussianProcess],
+def test_the_worst_of_the_tolerances_keeps_the_limit_at_the_cost_of_a_search(
+    composite: tuple[Study, GaussianProcess],
 ) -> None:
-    design = answer(fitted, tolerance={"radius": "5 %", "volume_fraction": 0.02})
+    design = answer(composite, tolerance={"radius": "5 %", "volume_fraction": 0.02})
     fractions, radii = np.linspace(0.64, 0.7, 31), np.geomspace(0.135, 0.16, 61)
     off, share = np.array([-0.02, 0.0, 0.02]), np.array([0.95, 1.0, 1.05])
     cases = {
@@ -128,8 +131,66 @@ def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
         ({"subject_to": ["deviation(voltage_per_load over radius) <= 2 %"]}, "'radius' is none of worst_case"),
     ],
 )
-def test_tolerances_without_sense_are_named(
-    fitted: tuple[Study, GaussianProcess], changed: dict[str, Any], refusal: str
+def test_bad_tolerances_are_named(
+    composite: tuple[Study, GaussianProcess], changed: dict[str, Any], refusal: str
 ) -> None:
     with pytest.raises(ValueError, match=refusal):
-        answer(fitted, **changed)
+        answer(composite, **changed)
+
+
+BUCKLED = """\
+title: A punch on BaTiO3
+fixed: {material: BaTiO3, load: 1e4}
+factors:
+  friction: {low: 0.1, high: 0.3, levels: 3}
+  radius: {low: 0.05, high: 0.1, levels: 5, scale: log}
+surrogate: {outputs: [voltage_per_load, trailing_tension]}
+validation: {cases: 20, calibration: 100, tolerance: 1e-2}
+design:
+  sensor:
+    maximise: abs(voltage_per_load)
+    over: [radius]
+    worst_case: {friction: [0.1, 0.3]}
+    subject_to: [trailing_tension <= 30 MPa, trailing_tension <= 90 MPa with probability 0.9]
+    tolerance: {radius: 1 %}
+"""
+
+
+def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand() -> None:
+    study = made(BUCKLED)
+    answer = targets.solve_target(study, "sensor", fitted(study))
+    constants = uncertain(study)
+    assert [constant.constant for constant in answer.constants] == [constant.name for constant in constants]
+    material, squares = find("BaTiO3"), np.zeros(2)
+    for place, constant in enumerate(constants):
+        values = []
+        for share in (1.001, 0.999):
+            moved = replace(
+                material, **{name: getattr(material, name) * share for name in FAMILIES[constant.family]}, name="moved"
+            )
+            for term in range(2):
+                solved = solve(
+                    {**answer.terms[term].worst, "load": 1e4, "material": "moved"}, materials={"moved": moved}
+                )
+                values.append(float(abs(solved["voltage_per_load"]) if term == 0 else solved["trailing_tension"]))
+        slopes = np.log(np.array(values[:2]) / values[2:]) / np.log(1.001 / 0.999) * constant.std
+        effects = [term.effect[place] for term in answer.terms[:2]]
+        np.testing.assert_allclose(effects, slopes, rtol=1e-4, atol=1e-7)
+        squares += slopes**2
+    np.testing.assert_allclose([term.spread for term in answer.terms[:2]], np.sqrt(squares), rtol=1e-4)
+    assert np.isnan(answer.terms[2].spread)  # it counts over draws: no one case says what constants make of it
+    goal = f"± {100 * np.sqrt(squares[0]):.2g} %"
+    sentence = asides.spread(answer)
+    largest = max(abs(effect) for effect in answer.terms[0].effect)
+    assert f"changes the goal by {goal} (± {100 * largest:.2g} % by BaTiO3 " in sentence
+    assert sentence.count("tension behind the contact by") == 1
+    assert ("which may exceed its limit" in sentence) == (abs(answer.terms[1].margin) < 1e-3)
+
+
+def test_what_has_no_uncertain_constant_has_no_spread() -> None:
+    alloy = BUCKLED.replace("material: BaTiO3", "composite: AlScN, scandium_fraction: 0.3").replace("30 MPa", "300 MPa")
+    study = made(alloy)
+    answer = targets.solve_target(study, "sensor", fitted(study))
+    assert answer.constants == ()
+    assert np.isnan(answer.terms[0].spread)
+    assert asides.spread(answer) == ""

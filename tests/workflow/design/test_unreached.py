@@ -25,7 +25,8 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
     assert lines == table.outcome(ran.folder / "results/small", ["sensor", "impossible"])
     assert lines[0].split() == ["target", "verdict", "goal", "design"]
     assert re.match(
-        r"sensor +beyond linear theory; otherwise recommended +voltage per load 4[\d.]+ mV·m/N "
+        r"sensor +beyond linear theory; otherwise recommended within the model; a tilt of .+ times "
+        r"+voltage per load 4[\d.]+ mV·m/N "
         r"+volume fraction 0\.6\d+, radius 1",
         lines[1],
     )

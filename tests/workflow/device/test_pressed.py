@@ -66,16 +66,14 @@ def test_a_press_on_a_patch_is_its_charge_over_the_feedback(tmp_path: Path) -> N
     assert "no charge leaks. The noise is 1 fC or 100 µV at the output" in said
 
 
+COATED: dict[str, Any] = {
+    "material": "PZT-4", "profile": "sphere", "radius": 0.01, "thickness": 1e-4, "surroundings": "insulated",
+    "base": "rigid",
+}  # fmt: skip
+
+
 def test_a_voltage_amplifier_on_a_patch_divides_by_its_plates() -> None:
-    case: dict[str, Any] = {
-        "material": "PZT-4",
-        "profile": "sphere",
-        "radius": 0.01,
-        "thickness": 1e-4,
-        "surroundings": "insulated",
-        "base": "rigid",
-    }
-    case |= {"electrode": "top", "collector": 2, "patch_size": 1e-3, "magnetic": "insulating"}
+    case = COATED | {"electrode": "top", "collector": 2, "patch_size": 1e-3, "magnetic": "insulating"}
     contact = ContactCurves.from_case(case, 1.0, body=film(case, solver.find("PZT-4")))
     forces = np.array([0.0, 1e-6, 1.0])
     charge, capacitance = contact.charge(forces), contact.capacitance(forces)
@@ -222,14 +220,6 @@ def test_a_press_that_cannot_be_is_refused(text: str, old: str, new: str, words:
     [({}, "patch_size: missing"), ({"patch_size": 1e-3, "patch": "strip"}, "patch: 'strip' below a point has no end")],
 )
 def test_electrodes_without_an_end_are_refused(factors: dict[str, Any], words: str) -> None:
-    case = {
-        "material": "PZT-4",
-        "profile": "sphere",
-        "radius": 0.01,
-        "thickness": 1e-4,
-        "surroundings": "insulated",
-        "base": "rigid",
-        "collector": 1,
-    }
+    case = COATED | {"collector": 1}
     with pytest.raises(solver.FactorError, match=words):
         ContactCurves.from_case(case | factors, 1.0, body=film(case, solver.find("PZT-4")))

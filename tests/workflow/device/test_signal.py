@@ -21,12 +21,8 @@ from workflow.study.sections import Device
 BALL: dict[str, Any] = {"profile": "sphere", "material": "BaTiO3", "radius": 5e-3}
 FILM = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "rigid"}
 LINE: dict[str, Any] = {
-    "material": "BaTiO3",
-    "radius": 0.05,
-    "thickness": 1e-4,
-    "surroundings": "insulated",
-    "base": "rigid",
-}
+    "material": "BaTiO3", "radius": 0.05, "thickness": 1e-4, "surroundings": "insulated", "base": "rigid",
+}  # fmt: skip
 FORCE = 2.0
 PRESS = History(np.array([0.0, 0.1, 1.0]), np.array([0.0, FORCE, FORCE])).divided(10)
 

@@ -1,6 +1,7 @@
 """The language of design targets is a fixed grammar with units and derivatives."""
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.constants import Boltzmann
 
-from solver import units
+from solver import materials, units
 from solver.names import ALL_QUANTITIES, FACTORS
 from workflow.device.circuit import Circuit
 from workflow.language import grammar, statements, statistics
 from workflow.language.constants import CONSTANTS, FIGURES
 from workflow.language.expressions import units_of
+from workflow.language.wordings import unverified
 
 NAMES = ["voltage", "magnetic_potential", "load", "radius", "contact_trailing", "peak_pressure"]
 
@@ -274,3 +276,23 @@ def test_a_charge_amplifier_has_its_own_voltage_decay_and_noise() -> None:
     assert float(decay) == pytest.approx(circuit.time_constant(4e-12), rel=1e-4)
     assert float(force) == pytest.approx(circuit.noise(4e-12, 293.15) / 2e-10, rel=1e-12)
     assert float(grammar.parse("signal_voltage", "point").evaluate(values)) == pytest.approx(4e-11 / 1.14e-10)
+
+
+@pytest.mark.parametrize(
+    ("source", "mark"),
+    [
+        ("a table, recalled", " (unverified: not read at its source)"),
+        ("a value, not read at its source", " (unverified: not read at its source)"),
+        ("somebody's code", " (unverified: not read at its source)"),
+        ("a vendor's table, read in 2026; recalledness is no word of it", ""),
+        ("a vendor's table", " (unverified: no dated source)"),
+    ],
+)
+def test_a_source_that_was_not_read_is_marked(source: str, mark: str) -> None:
+    assert unverified(source) == mark
+
+
+def test_what_the_library_says_that_materials_bear_has_a_year_or_is_marked() -> None:
+    for material in materials().values():
+        for limit in material.limits.values():
+            assert re.search(r"\b(19|20)\d\d\b", limit.source) or "recalled" in limit.source, limit.source

@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +25,25 @@ def needs_node(test: Callable[..., None]) -> Callable[..., None]:
     return pytest.mark.browser(pytest.mark.needs("node")(test))  # type: ignore[no-any-return]
 
 
-#: Collects whatever a script complains about.
+#: Collects whatever a script complains about; `report` leaves the data of a probe in the page.
 ERRORS = """
 <script>
 window.complaints = [];
 addEventListener("error", (event) => complaints.push(String(event.message)));
 console.error = console.warn = (...words) => complaints.push(words.join(" "));
+window.report = (seen) => {
+  const pre = document.createElement("pre");
+  pre.id = "probe";
+  pre.textContent = JSON.stringify(seen);
+  document.body.replaceChildren(pre);
+};
 </script>
 """
+
+
+def axe() -> str:
+    """The checker of what people with disabilities can use, as a script."""
+    return f"<script>{files('axe_core_python').joinpath('axe.min.js').read_text(encoding='utf-8')}</script>"
 
 
 def opened(text: str, folder: Path, width: int, probe: str) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from tests.workflow.conftest import Project
 from workflow.dataset import slabs as dataset
 from workflow.design.verdict import netcdf
 from workflow.language import grammar, statements, titles
-from workflow.report import problem, svg
+from workflow.report import page, svg
 from workflow.report.figures import design_plots, field_panels, sobol, style, surrogate_errors
 from workflow.study import coupling, partition
 from workflow.study.model import load
@@ -45,7 +45,7 @@ def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, 
 
 
 def test_the_drawing_of_the_problem_follows_light_and_dark() -> None:
-    drawn = str(svg.element(problem.draw(), "problem", problem.TITLE))
+    drawn = str(svg.element((page.TEMPLATES / "halfplane.svg").read_text(encoding="utf-8"), "problem", page.TITLE))
     assert not re.findall(r"#[0-9a-f]{3,6}\b", drawn)
     assert {"var(--ink)", "var(--card)", "var(--accent)", "var(--soft)"} <= set(re.findall(r"var\(--\w+\)", drawn))
     assert set(re.findall(r'id="([^"]+)"|url\(#([^)]+)\)', drawn)) == {("problem-tip", ""), ("", "problem-tip")}

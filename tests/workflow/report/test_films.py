@@ -1,4 +1,4 @@
-"""Films on the page: times with tables, absolute quantities, and a drawing."""
+"""Films and other surroundings on the page: times with tables, absolute quantities, differences in words."""
 
 from typing import Any
 
@@ -9,10 +9,13 @@ import xarray as xr
 import solver
 from tests.studies import fitted, made, shipped
 from workflow.dataset import factorial
+from workflow.language.numbers import shown
 from workflow.learning import timing
 from workflow.report import exact, page, whatif
+from workflow.report import exact as other_surroundings
 from workflow.study.datum import hanging
-from workflow.study.model import Study
+from workflow.study.model import Study, load
+from workflow.study.sections import Device
 
 FILM = """\
 title: A film
@@ -31,9 +34,7 @@ def study() -> Study:
     return made(FILM)
 
 
-def test_times_of_films_hold_their_tables_and_the_panel_knows_no_closed_form(
-    study: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_times_hold_tables_and_the_panel_knows_no_closed_form(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     quantities = factorial.exact(study, factorial.axes(study))
     model = fitted(study, calibrated=True)
     cases, solved, calls = factorial.cases(study, "validation"), factorial.exact, []
@@ -74,3 +75,48 @@ def test_what_hangs_on_the_datum_is_said_of_the_base_where_it_does(study: Study)
     depths = solver.solve({**case, "datum": [0.1, 1.0, 10.0]})["depth"]
     np.testing.assert_allclose(rows["depth[steel]"]["values"], depths, rtol=1e-12)
     assert np.isfinite(rows["depth[steel]"]["slope"])
+
+
+CASE = {"volume_fraction": 0.5, "friction": 0.0, "radius": 0.05, "load": 1e4}
+
+
+@pytest.fixture(scope="module")
+def bare() -> Study:
+    """A half-plane without friction: the charge per load is the same in air, the theorem of docs/theory.md, 10."""
+    return load("config/quickstart.yaml").narrowed({"magnetic": "insulating"})
+
+
+@pytest.fixture(scope="module")
+def sensor(bare: Study) -> Study:
+    return bare.model_copy(update={"device": Device.model_validate({"electrode_length": "10 mm"})})
+
+
+def test_air_is_compared_with_what_is_insulated_and_the_other_way_round(sensor: Study) -> None:
+    compared = other_surroundings.compared(sensor, CASE)
+    assert compared["surroundings"] == "insulated"
+    present, other = compared["quantities"]["charge_per_force"]
+    assert other == pytest.approx(present, rel=1e-9)
+    present, other = compared["quantities"]["voltage"]
+    assert 0.1 < other / present < 0.99
+    said = other_surroundings.told(compared)
+    assert f"{shown(other, 'V', 3)} instead of {shown(present, 'V', 3)}" in said.replace("\N{NO-BREAK SPACE}", " ")
+    assert other_surroundings.compared(sensor.narrowed({"electric": "insulating"}), CASE) == {}
+    assert other_surroundings.told({}) == ""
+    back = other_surroundings.compared(sensor.narrowed({"surroundings": "air"}), CASE)
+    assert back == {
+        "surroundings": "air",
+        "quantities": {name: values[::-1] for name, values in compared["quantities"].items()},
+    }
+    oil = sensor.model_copy(update={"fixed": {**sensor.fixed, "surroundings": "air", "gap_permittivity": 2.2}})
+    assert other_surroundings.compared(oil, CASE)["quantities"]["voltage"][1] == present
+
+
+def test_a_ball_on_a_film_is_compared_too() -> None:
+    """A large ball on a thin film has 2.3 pF, and ten times as much in air."""
+    ball = shipped("point_sensor").narrowed({"base": "steel"})
+    compared = other_surroundings.compared(ball, {"thickness": 5e-5, "radius": 0.05, "force": 0.1})
+    assert list(compared["quantities"]) == ["voltage", "capacitance", "charge_per_force"]
+    air, bare = compared["quantities"]["capacitance"]
+    assert air > 10 * bare
+    expected = "capacitance 2.34 pF instead of 38.2 pF and charge per force 204 pC/N instead of 166 pC/N"
+    assert expected in other_surroundings.told(compared)

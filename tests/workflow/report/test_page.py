@@ -16,6 +16,7 @@ from jinja2 import Environment, FileSystemLoader
 import surrogate
 from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
+from surrogate.use.export import ERROR
 from tests.studies import fitted, made
 from tests.workflow.conftest import Project
 from tests.workflow.report.browser import in_node, needs_browser, needs_node, opened
@@ -69,10 +70,7 @@ addEventListener("load", () => {
     loaded: performance.getEntriesByType("resource").map(e => e.name).filter(n => !n.startsWith("data:")),
     text: document.body.innerText,
   };
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify(out);
-  document.body.replaceChildren(pre);
+  report(out);
 });
 </script>
 """
@@ -122,10 +120,7 @@ addEventListener("load", () => {
     });
     return read();
   });
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify({ seen, presets, moved, complaints });
-  document.body.replaceChildren(pre);
+  report({ seen, presets, moved, complaints });
 });
 </script>
 """.replace("LIMITS", LIMITS)
@@ -190,7 +185,8 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     seen = looked(width)
     first = {name: part["words"].replace("\N{NO-BREAK SPACE}", " ") for name, part in seen["first"].items()}
     assert first["page first"] == "Largest stroke per volt is not reachable (1 of 2 targets)."
-    assert first["sensor verdict"] == "beyond linear theory; otherwise recommended"
+    beyond = "beyond linear theory; otherwise recommended within the model; a tilt of "
+    assert first["sensor verdict"].startswith(beyond)
     assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", first["sensor build"])
     assert first["sensor does"].startswith("Voltage per load (ground 1 m away) ")
     assert "50 MPa" in first["sensor stops"]
@@ -208,7 +204,7 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     assert "0.001 is met" in seen["lines"][0]
 
 
-def test_the_page_is_self_contained_escaped_and_of_the_present_study(
+def test_the_page_is_whole_escaped_and_of_its_study(
     ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     written = page(ran)
@@ -240,15 +236,18 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, moved: dict
     assert len(seen["seen"]) == len(PLACES) + 1
     assert len(seen["presets"]) == 2
     spread = read_whole(ran.folder / "results/small/quantities.nc")
+    rounding = {name: 1.5 * ERROR * float(np.ptp(spread[name].values)) for name in model.outputs_}
     for place in [*seen["seen"], *seen["presets"]]:
         point = {name: float(value) for name, value in place["inputs"].items()}
         mean, ends = model.predict(point), model.interval(point)
         for name in model.outputs_:
-            room = 1e-9 * np.ptp(spread[name].values)
+            room = rounding[name]
             assert float(place["mean"][name]) == pytest.approx(float(mean[name]), abs=room)
             half = float(ends[f"{name}_upper"] - ends[f"{name}_lower"]) / 2
             for end in ("lower", "upper"):
-                assert float(place[end][name]) == pytest.approx(float(ends[f"{name}_{end}"]), abs=room + 1e-6 * half)
+                assert float(place[end][name]) == pytest.approx(
+                    float(ends[f"{name}_{end}"]), abs=2 * room + 1e-4 * half
+                )
             value, unit, interval = place["interval"][name]
             units = ALL_QUANTITIES[name].units
             assert f"{value} {unit}".strip() == numbers.shown(float(place["mean"][name]), units, 3)
@@ -267,7 +266,7 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, moved: dict
         for said, name, limit in zip(
             place["limits"], ("trailing_tension", "peak_pressure"), (50e6, 500e6), strict=True
         ):
-            assert said["value"] == pytest.approx(float(spread[name].max()), rel=1e-9)
+            assert said["value"] == pytest.approx(float(spread[name].max()), abs=rounding[name])
             excess = said["value"] - limit
             words = "broken" if excess > said["room"] else "held" if excess < -said["room"] else "on the limit"
             assert said["verdict"].startswith(words)
@@ -294,8 +293,11 @@ def test_the_panel_agrees_with_every_design(ran: Project, moved: dict[str, Any])
         # the surrogate, asked for the same design: by the same tolerance as the verdict's
         assert [entry["verdict"] != "broken" for entry in again["limits"]] == held
         predicted = [limit.predicted for limit in limits]
-        assert [entry["value"] for entry in again["limits"]] == pytest.approx(predicted, rel=1e-9)
-        assert [entry["room"] for entry in again["limits"]] == pytest.approx([limit.half for limit in limits], rel=1e-6)
+        assert [entry["value"] for entry in again["limits"]] == pytest.approx(predicted, rel=50 * ERROR)
+        for entry, limit in zip(again["limits"], limits, strict=True):
+            assert (
+                (1 - 2e-5) * limit.half <= entry["room"] <= (1 + 2e-5) * limit.half + 50 * ERROR * abs(limit.predicted)
+            )
         assert answer.feasible == all(held)
     assert moved["moved"][0]["limits"][0]["verdict"].startswith("on the limit")  # it binds
 
@@ -394,10 +396,7 @@ addEventListener("load", () => {
     seen.push(read());
   }
   root.querySelectorAll("button[data-case]").forEach((button) => { button.click(); seen.push(read()); });
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify({ seen, complaints });
-  document.body.replaceChildren(pre);
+  report({ seen, complaints });
 });
 </script>
 """.replace("LIMITS", LIMITS)
@@ -413,6 +412,7 @@ def test_lists_choose_what_the_panel_shows(ran: Project, tmp_path: Path) -> None
     )
     environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
     environment.filters["title"] = title
+    assert content is not None
     known = {"hanging": frozenset(), "on_datum": lambda hangs: "", "whatif_json": whatif.as_json(content)}
     panel = environment.get_template("whatif.html.j2").render(whatif=content, **known)
     text = re.sub(r'<section id="whatif">.*?</section>', lambda _: panel, page(ran), count=1, flags=re.DOTALL)
@@ -423,8 +423,9 @@ def test_lists_choose_what_the_panel_shows(ran: Project, tmp_path: Path) -> None
     for shown in seen["seen"]:
         answer = model.predict({name: float(value) for name, value in shown["inputs"].items()})
         for name, value in shown["mean"].items():
-            expected = float(answer[f"{name}[{', '.join(shown['names'])}]"])
-            assert float(value) == pytest.approx(expected, rel=1e-9)
+            full = f"{name}[{', '.join(shown['names'])}]"
+            low, high = content["ranges"][model.outputs_.index(full)]
+            assert float(value) == pytest.approx(float(answer[full]), abs=1.5 * ERROR * (high - low))
     assert seen["seen"][-1]["names"] == ["laminate", "half_cylinder"]
     assert [shown["verdict"] for shown in seen["seen"][-2]["limits"]] == ["held"]
     assert seen["seen"][-1]["limits"] == []

@@ -2,7 +2,6 @@
 
 import json
 import re
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +10,9 @@ import pytest
 
 import surrogate
 from storage.netcdf import read_whole
+from surrogate.use.export import ERROR
 from tests.workflow.conftest import Project
-from tests.workflow.report.browser import needs_browser, opened
+from tests.workflow.report.browser import axe, needs_browser, opened
 from workflow.design.question import scenarios
 from workflow.design.question.pilot import ask
 from workflow.design.question.sources import Exact, Predicted
@@ -69,10 +69,7 @@ addEventListener("load", async () => {
   const found = await axe.run(document, { resultTypes: ["violations"] });
   out.violations = found.violations.map(({ id, nodes }) => `${id}: ${nodes.map((one) => one.target).join(" ")}`);
   out.complaints = complaints;
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify(out);
-  document.body.replaceChildren(pre);
+  report(out);
 });
 </script>
 """
@@ -87,10 +84,7 @@ addEventListener("load", async () => {
     await new Promise((done) => setTimeout(done, 50));
     out[point] = [...root.querySelectorAll("li[data-limit]")].map(({ dataset }) => ({ ...dataset }));
   }
-  const pre = document.createElement("pre");
-  pre.id = "probe";
-  pre.textContent = JSON.stringify({ judged: out, over: document.getElementById("judged").textContent, complaints });
-  document.body.replaceChildren(pre);
+  report({ judged: out, over: document.getElementById("judged").textContent, complaints });
 });
 </script>
 """
@@ -99,12 +93,8 @@ addEventListener("load", async () => {
 @pytest.fixture(scope="module")
 def seen(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """State of the quickstart's panel while it is used."""
-    package = find_spec("axe_core_python")
-    assert package is not None
-    assert package.origin is not None
-    checker = Path(package.origin).with_name("axe.min.js").read_text(encoding="utf-8")
     page = (quickstart_run.folder / "results/quickstart/report.html").read_text(encoding="utf-8")
-    return opened(page, tmp_path_factory.mktemp("panel"), 1280, f"<script>{checker}</script>{PROBE}")
+    return opened(page, tmp_path_factory.mktemp("panel"), 1280, axe() + PROBE)
 
 
 @pytest.fixture(scope="module")
@@ -117,6 +107,11 @@ def model(quickstart_run: Project) -> surrogate.GaussianProcess:
 def test_anyone_can_use_the_panel(seen: dict[str, Any]) -> None:
     assert seen["complaints"] == []
     assert seen["violations"] == []
+
+
+def rounding(run: Project, name: str) -> float:
+    """Rounding of a quantity on the page, a little more than on the points that judge it."""
+    return 1.5 * ERROR * float(np.ptp(read_whole(run.folder / "results/quickstart/quantities.nc")[name].values))
 
 
 @needs_browser
@@ -136,7 +131,8 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
     drawn, answer = seen["map"], netcdf.read(quickstart_run.folder / "results/quickstart/design/sensor.nc")
     exact = answer.terms[0].exact
     ends = [min(worst.min(), exact), max(worst.max(), exact)]
-    assert [float(drawn[end]) for end in ("low", "high")] == pytest.approx(ends, rel=1e-8, abs=0)
+    room = rounding(quickstart_run, "voltage_per_load")
+    assert [float(drawn[end]) for end in ("low", "high")] == pytest.approx(ends, rel=0, abs=room)
     broken = tension.max(axis=-1) > 35e6  # what BaTiO3 bears
     assert 0 < broken.sum() < broken.size
     assert int(drawn["broken"]) == broken.sum()
@@ -193,7 +189,7 @@ def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surr
 
 
 @needs_browser
-def test_fields_under_the_punch_are_those_of_python(
+def test_fields_are_those_of_python(
     seen: dict[str, Any], model: surrogate.GaussianProcess, quickstart_run: Project
 ) -> None:
     X = np.array([-0.99, -0.5, 0.1, 0.9])
@@ -201,13 +197,18 @@ def test_fields_under_the_punch_are_those_of_python(
     expected = surface.predict(fields, model, seen["start"], X)
     for name in surface.NAMES:
         np.testing.assert_allclose(
-            seen["fields"][name], expected[name], rtol=1e-9, atol=1e-9 * np.abs(expected[name]).max()
+            seen["fields"][name],
+            expected[name],
+            rtol=0,
+            atol=10 * ERROR * np.abs(expected[name]).max(),  # singular edges
         )
     assert seen["charts"] == [1, 1, 1, 1]
 
 
 @needs_browser
-def test_a_link_and_a_file_hold_the_point(seen: dict[str, Any], model: surrogate.GaussianProcess) -> None:
+def test_a_link_and_a_file_hold_the_point(
+    seen: dict[str, Any], model: surrogate.GaussianProcess, quickstart_run: Project
+) -> None:
     point = seen["clicked"]
     assert seen["link"] == "#whatif?" + "&".join(
         [*(f"{name}={json.dumps(value)}" for name, value in point.items()), "target=sensor"]
@@ -217,10 +218,10 @@ def test_a_link_and_a_file_hold_the_point(seen: dict[str, Any], model: surrogate
     expected = model.predict(point).assign(model.interval(point).data_vars)
     assert list(columns)[:5] == list(point)
     for name in model.outputs_:
-        room = 1e-9 * abs(float(expected[name]))
+        room, std = rounding(quickstart_run, name), float(expected[f"{name}_std"])
         assert columns[name] == pytest.approx(float(expected[name]), abs=room)
-        assert columns[f"{name}_std"] == pytest.approx(float(expected[f"{name}_std"]), rel=1e-6)
-        assert columns[f"{name}_upper"] == pytest.approx(float(expected[f"{name}_upper"]), abs=2 * room)
+        assert columns[f"{name}_std"] == pytest.approx(std, rel=2e-5)  # calibrated in single precision
+        assert columns[f"{name}_upper"] == pytest.approx(float(expected[f"{name}_upper"]), abs=2 * room + 1e-4 * std)
     restored = seen["restored"]
     assert restored["volume_fraction"] == pytest.approx(0.3, rel=1e-12)
     assert restored["radius"] == pytest.approx(0.01, rel=1e-12)
@@ -262,6 +263,7 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
         assert [entry["limit"] for entry in limits] == list(expected)
         for entry, (value, room, bound) in zip(limits, expected.values(), strict=True):
             verdicts.add(entry["verdict"])
-            assert float(entry["value"]) == pytest.approx(value, rel=1e-8)  # 5e-12 of a range 200 times larger
-            assert float(entry["room"]) == pytest.approx(room, rel=1e-6, abs=2e-12 * abs(bound))
+            rounded = 2 * 200 * ERROR * abs(value)  # of two ranges, one 200 times larger
+            assert float(entry["value"]) == pytest.approx(value, abs=rounded)
+            assert (1 - 2e-5) * room - 2e-12 * abs(bound) <= float(entry["room"]) <= (1 + 2e-5) * room + rounded
     assert verdicts >= {"held", "broken"}

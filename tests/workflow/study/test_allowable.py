@@ -66,16 +66,12 @@ def test_a_composite_bears_what_its_weaker_phase_does() -> None:
         ({"limit": "nominal_field <= breakdown_field"}, "breakdown_field: none is known of BaTiO3 and CoFe2O4"),
         ({"goal": "force * abs(charge_per_force)"}, "device: electrode_length: missing; must be a number with a unit"),
         ({"limit": "trailing_tension <= base_tensile_strength"}, "base_tensile_strength: a rigid base has none"),
-        (
-            {"goal": "abs(signal_voltage)", "more": "device: {electrode_length: 10 mm}"},
-            "device: amplifier: input_capacitance: missing; must be a number with a unit",
-        ),
-        (
-            {"more": "device: {electrode_length: 1, amplifier: {input_capacitance: 1e-11, charge_noise: 1}}"},
-            "device.amplifier.charge_noise: 1 is 1 C; did you mean 1 fC?",
-        ),
+        ({"goal": "abs(signal_voltage)", "more": "device: {electrode_length: 10 mm}"},
+         "device: amplifier: input_capacitance: missing; must be a number with a unit"),
+        ({"more": "device: {electrode_length: 1, amplifier: {input_capacitance: 1e-11, charge_noise: 1}}"},
+         "device.amplifier.charge_noise: 1 is 1 C; did you mean 1 fC?"),
     ],
-)
+)  # fmt: skip
 def test_what_the_library_or_the_study_lacks_is_one_line(entries: dict[str, str], message: str) -> None:
     assert message in refusal(film(**entries))
 

@@ -10,8 +10,7 @@ import pytest
 
 from solver import solve
 from surrogate import GaussianProcess
-from tests.studies import edited, fitted, refusal
-from tests.surrogate.hypervolume import hypervolume
+from tests.studies import fitted
 from workflow.cli import questions
 from workflow.design.search import targets
 from workflow.design.wording import table
@@ -19,7 +18,6 @@ from workflow.learning import readout_trial
 from workflow.study.categories import output
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
-from workflow.study.target import Target
 
 MATERIALS, PROFILES = ("BaTiO3", "PZT-4", "PZT-5H", "BaTiO3-CoFe2O4 50:50"), ("cylinder", "half_cylinder")
 SENSITIVITY, TENSION = "voltage_per_load", "trailing_tension"
@@ -90,26 +88,6 @@ def test_choices_of_numbers_and_names_together(study: Study, model: GaussianProc
     assert "charge,given,profile,,,,cylinder,,," in rows
 
 
-@pytest.mark.soak  # workflow/design/test_searching.py merges fronts by hand
-def test_the_front_is_that_of_all_combinations(study: Study, model: GaussianProcess) -> None:
-    materials = ("BaTiO3", "PZT-5H")
-    over = {"radius": {}, "material": {"choices": list(materials)}, "profile": {}}
-    target = Target.model_validate(study.design["front"].model_dump(exclude_unset=True) | {"over": over})
-    answer = targets.answer(study, "front", target, model)
-    front = answer.pictures["front_exact"].values * [1, -1]
-    everything = np.concatenate([np.stack(dense(*kinds), -1) for kinds in product(materials, PROFILES)]) * [1, -1]
-    everything = everything[everything[:, 1] >= -150e6]
-    reference = everything.min(0)
-    assert hypervolume(front, reference) >= 0.999 * hypervolume(everything, reference)
-    chosen = set(answer.pictures["front_choice"].values)
-    assert len(chosen) > 1
-    for value, choice in zip(
-        answer.pictures["front_exact"].values, answer.pictures["front_choice"].values, strict=True
-    ):
-        sensitivity, tension = dense(*choice.split(", "))
-        assert tension[np.abs(sensitivity - value[0]).argmin()] == pytest.approx(value[1], rel=0.02)
-
-
 def test_a_read_out_of_one_combination(study: Study, model: GaussianProcess) -> None:
     tried = readout_trial.trial(study, study.readout["voltage"].model_copy(update={"cases": 100}), model)
     # 3.2 standard deviations of 100 trials
@@ -130,17 +108,3 @@ def test_questions_in_words(study: Study) -> None:
     ):
         with pytest.raises(InputError, match=rf"^[^\n]*{re.escape(says)}[^\n]*$"):
             questions._checked(study, questions.target(study, options | words))
-
-
-@pytest.mark.parametrize(
-    ("edit", "says"),
-    [
-        (("  profile: [cylinder, half_cylinder]", "  profile: [cylinder, cylinder]"), "a name is given twice"),
-        (("  profile: [cylinder, half_cylinder]", "  colour: [red, blue]"), "'colour' is not a category"),
-        (("  charge: 0.0", "  profile: flat"), "fixed: profile: is one of the categories already"),
-        (("[radius, material, profile]", "[radius, material]"), "design: voltage: 'profile' is missing"),
-        (("  outputs: [", "  fields: 8\n  outputs: ["), "are not learned over categories: material, profile"),
-    ],
-)
-def test_bad_categories_are_named(edit: tuple[str, str], says: str) -> None:
-    assert says in refusal(edited(Path("config/catalogue.yaml").read_text(encoding="utf-8"), *edit))

@@ -3,9 +3,8 @@
 import pytest
 
 from solver.names import FILM_QUANTITIES, QUANTITIES
-from tests.studies import edited, made, refusal
-from workflow.run.provenance import ROOT
-from workflow.study import datum
+from tests.studies import made, shipped
+from workflow.study import coupling, datum
 from workflow.study.model import Study
 
 FILM = """\
@@ -56,35 +55,30 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
     assert datum.meaning("depth", datum.hanging(study)) == "indentation depth relative to the datum"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        ("  thickness: {low: 2e-4, high: 3e-4, levels: 3, scale: log}\n", "", "base: 'rigid' without a thickness"),
-        ("categories: {base: [rigid, steel]}\n", "", "base: missing; must be 'rigid' or a material's name, or else"),
-        ("electric: grounded", "electric: insulated", "interface_electric: 'insulated' is not one of gr"),
-        ("electric: grounded", "magnetic: insulated", "interface_magnetic: 'insulated' is allowed above a"),
-        ("interface_electric: grounded}", "base_volume_fraction: 0.2}\ndataset: {peaks: true}", "dataset: peaks: are"),
-        ("  friction: {low: 0.0, high: 0.3", "  grading_exponent: {low: 2.0, high: 3.0", "factors: grading_exponent"),
-        ("design:", "surrogate: {fields: 4}\ndesign:", "surrogate: fields: only those of half-planes are learned"),
-        ("design:", "surrogate: {outputs: [peak_von_mises]}\ndesign:", "surrogate: outputs: some of thes"),
-    ],
-)  # fmt: skip
-def test_bad_films_are_refused_in_one_line(old: str, new: str, expected: str) -> None:
-    assert refusal(edited(FILM, old, new)).startswith(expected)
+QUICKSTART = shipped("quickstart")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("base: FR4", "base: rigid", "have no 'heat_time'; heat: not known for the base 'rigid': conductivity; name"),
-        (
-            "charge_noise: 1 fC",
-            "feedback_resistance: 1 TOhm\n    charge_noise: 1 fC",
-            "device: amplifier: feedback_resistance: 1 TOhm is beside one of the factors; give one of them",
-        ),
-    ],
-)
-@pytest.mark.filterwarnings("ignore::solver.face.refusal.SmallStrainWarning")
-def test_a_study_of_heat_names_what_is_not_known_or_given_twice(old: str, new: str, words: str) -> None:
-    text = (ROOT / "config/taxel.yaml").read_text(encoding="utf-8")
-    assert words in refusal(text.replace(old, new))
+def made_of(**fixed: str | float) -> Study:
+    """The quickstart of something else, without its designs."""
+    factors = {name: axis for name, axis in QUICKSTART.factors.items() if name not in ("volume_fraction", "charge")}
+    return QUICKSTART.model_copy(update={"fixed": fixed, "factors": factors, "design": {}})
+
+
+def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
+    assert coupling.fields(QUICKSTART) == {"electric", "magnetic"}
+    assert coupling.fields(made_of(material="PZT-4")) == {"electric"}
+    assert coupling.fields(made_of(material="CoFe2O4")) == {"magnetic"}
+    assert coupling.fields(made_of(composite="AlScN", scandium_fraction=0.3)) == {"electric"}
+    assert coupling.fields(made_of(material="glass")) == set()
+    assert coupling.fields(made_of(material="glass", charge=1e-6)) == {"electric"}
+    assert coupling.fields(shipped("paper")) == {"electric", "magnetic"}
+
+
+def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:
+    study = made_of(material="PZT-4")
+    names = coupling.told(study)
+    assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(names)
+    assert not {"magnetic_potential", "flux_per_force", "stroke_per_ampere", "permeance_per_length"} & set(names)
+    surrogate = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
+    assert coupling.told(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
+    assert coupling.told(QUICKSTART) == QUICKSTART.outputs

@@ -9,7 +9,7 @@ import xarray as xr
 
 from storage.netcdf import write_whole
 from surrogate import GroupedGP
-from tests.studies import edited, fitted, made, refusal
+from tests.studies import fitted, made, refusal
 from workflow.dataset import factorial, levels
 from workflow.learning import training
 from workflow.study import representatives
@@ -109,31 +109,6 @@ def test_open_scales_are_those_along_which_coefficients_fall_fastest(half_plane:
     assert closed.axes["load_radius_per_datum2"] == half_plane.axes["load_radius_per_datum2"].model_copy(
         update={"levels": 7}
     )
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("load * radius / datum^2", "load / radius", "depth, voltage, blocked_load_per_volt depend on the datum"),
-        (
-            "charge / load",
-            "charge / load^2",
-            "groups: radius x 0.316 and load x 3.16 and charge x 10 is in no group, and is",
-        ),
-        ("charge / load", "charge + load", "groups: 'charge + load': 'C m-1' and 'N m-1' cannot be added"),
-        ("charge / load", "voltage / load", "groups: 'voltage / load': 'voltage' is no factor"),
-        ("load * radius / datum^2: {levels: 5}", "load * radius: {levels: 5, scale: logit}", "between 0 and 1"),
-        (
-            "charge / load: {levels: 3}",
-            "radius * load: {levels: 3}",
-            "charge x 10 is in no group, and is another contact",
-        ),
-        ("charge / load: {levels: 3}", "load / datum: {levels: 3}", "begins with 'load' as another group does"),
-        ("low: 0.02,", "levels: 4, low: 0.02,", "factors: radius: levels: of a study with groups they stand in groups"),
-    ],
-)
-def test_bad_groups_are_refused_in_one_line(old: str, new: str, says: str) -> None:
-    assert says in refusal(edited(STUDY, old, new))
 
 
 def test_a_half_plane_without_the_datum_in_a_group_is_told_what_hangs_on_it() -> None:

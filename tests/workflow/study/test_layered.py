@@ -8,7 +8,7 @@ import pytest
 import solver
 from solver.fields import FIELDS
 from storage.netcdf import read_whole
-from tests.studies import edited, fitted, made, refusal
+from tests.studies import fitted, made
 from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
 from workflow.design.search.contact_fields import fields
@@ -66,12 +66,8 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Pat
         stored = whole.isel(dict(zip(("copper_thickness", "volume_fraction", "load", "base"), place, strict=True)))
         body = stack(stored["copper_thickness"].item(), stored["volume_fraction"].item(), stored["base"].item())
         case = {
-            "surroundings": "insulated",
-            "body": body,
-            "radius": 0.05,
-            "friction": 0.1,
-            "load": stored["load"].item(),
-        }
+            "surroundings": "insulated", "body": body, "radius": 0.05, "friction": 0.1, "load": stored["load"].item(),
+        }  # fmt: skip
         exact = solver.solve(case, stored["position"].values)
         for name in (*study.quantities, *FIELDS):
             np.testing.assert_allclose(
@@ -105,20 +101,3 @@ def test_a_body_is_stored_frozen_and_drawn(study: Study, slab: Path) -> None:
     assert thawed(study.frozen()).physics == study.physics
     assert study.physics != study.model_copy(update={"body": study.body[:1]}).physics
     assert "copper" in str(page._problem(study))
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        ("  copper_thickness: {", "  zinc_thickness: {", "body.1: thickness: 'copper_thickness' is neither in factors"),
-        ("radius: 0.05", "radius: 0.05, x_thickness: 1e-3", "fixed: x_thickness: no layer of the body names it"),
-        ("categories: {base: [rigid, silicon]}\n", "", "base: a body needs a base, or else base_modulus and base_poi"),
-        ("volume_fraction: volume_fraction, ", "", "body.0: volume_fraction: missing; must be a finite number >= 0"),
-        ("s: copper_thickness", "s: copper", "body.1: thickness: 'copper' is no name of such a factor; must be thick"),
-        ("s: copper_thickness", "s: thickness", "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
-        ("low: 4e-5", "low: -1e-3", "factors: copper_thickness: -0.001 is not a finite number > 0 [m]"),
-        ("{electric: grounded}", "{magnetic: insulated}", "interface_magnetic: 'insulated' is allowed above a rigid"),
-    ],
-)  # fmt: skip
-def test_bad_bodies_are_refused_in_one_line(old: str, new: str, expected: str) -> None:
-    assert refusal(edited(LAYERS, old, new)).startswith(expected)

@@ -30,7 +30,7 @@ def write(path: Path) -> Path:
 
 
 @pytest.mark.parametrize("name", ["my study.yaml", "a.b.yaml", "größe.yaml", "-x.yaml", f"{'x' * 101}.yaml"])
-def test_a_name_that_snakemake_cannot_bear_is_refused_by_path_and_by_name(
+def test_names_that_snakemake_cannot_bear_are_refused(
     folder: Path, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     path = write(folder / "config" / name)
@@ -42,9 +42,7 @@ def test_a_name_that_snakemake_cannot_bear_is_refused_by_path_and_by_name(
     assert [file.name for file in folder.iterdir()] == ["config"]
 
 
-def test_outside_of_a_project_it_says_what_is_missing_and_what_to_do(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_outside_of_a_project_it_says_what_to_do(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main.main(["run", "quickstar"]) == 2
     line = capsys.readouterr().err
     assert f"study: 'quickstar' is unknown: {folder} has no config/*.yaml; go to a folder that has one" in line

@@ -58,9 +58,7 @@ def edit(file: str, old: str, new: str) -> None:
     ],
     ids=["study", "material, as a module", "broken"],
 )
-def test_an_edit_while_the_run_lasts_reaches_no_job(
-    own_study: Study, file: str, old: str, new: str, prefix: str
-) -> None:
+def test_an_edit_during_a_run_reaches_no_job(own_study: Study, file: str, old: str, new: str, prefix: str) -> None:
     parameter = planned.parameter(own_study, *PHYSICS)
     lock.claim({"own": own_study.frozen()}, f"{prefix}results")
     edit(file, old, new)
@@ -118,9 +116,7 @@ def test_a_slab_is_of_the_count_that_it_was_planned_with(own_study: Study, monke
     assert partition.count(thawed(planned_study.frozen())) == 1  # on a node with more cores than the login node
 
 
-def test_a_node_without_the_planners_folder_has_its_number_of_slabs(
-    own_study: Study, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_node_without_the_planners_folder_has_its_slabs(own_study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     """The planner hands its number on by --config, since a node of fewer cores would take slab 0 for all cases."""
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
     monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
@@ -156,7 +152,7 @@ def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> 
         if "workflow.study.planned" in names:
             calls = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.Call)]
             [call] = [call for call in calls if call.startswith("planned.")]
-            assert call == "planned.study(snakemake)", script
+            assert call == "planned.start(globals())", script
             assert re.search(r"^        study=sections\(", text, re.MULTILINE), rule
             checked += 1
     assert checked >= 14
@@ -198,7 +194,11 @@ LEVELS_CHANGE = PAGE | TARGETS | LEARNED | {"slab", "batch", "card", "readout", 
 @pytest.mark.parametrize(
     ("section", "values", "expected"),
     [
-        ("design.sensor", {"title": "Another"}, PAGE | {"design", "target sensor", "figure_design sensor"}),
+        (
+            "design.sensor",
+            {"title": "Another"},
+            PAGE | {"design", "sensitivity", "target sensor", "figure_design sensor"},
+        ),
         ("validation", {"cases": 100}, {"report", "cases", "surface"}),
         ("validation", {"calibration": 100}, {"report", "calibration", "surface"}),
         ("factors.friction", {"levels": 6}, LEVELS_CHANGE),

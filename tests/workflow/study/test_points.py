@@ -12,7 +12,7 @@ from solver.body import HALF_SPACE
 from solver.fields import POINT_FIELDS
 from solver.names import POINT_QUANTITIES
 from surrogate import Input
-from tests.studies import data_set, edited, fitted, made, refusal
+from tests.studies import data_set, fitted, made, refusal, shipped
 from workflow.dataset import effects, factorial
 from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
@@ -22,9 +22,8 @@ from workflow.learning import training
 from workflow.report import page
 from workflow.report.figures import field_panels
 from workflow.report.figures.design_plots import figures_of
-from workflow.run.provenance import ROOT
 from workflow.study import representatives
-from workflow.study.model import Study, load, remade
+from workflow.study.model import Study, remade
 
 BALL = """\
 title: A ball on a film
@@ -94,27 +93,6 @@ def test_figures_of_a_device_are_whole_and_the_force_is_a_factor(study: Study) -
     assert "electrode_length" in DEVICE
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            "{amplifier:",
-            "{electrode_length: 10 mm, amplifier:",
-            "device: electrode_length: a point contact has none: its forces and charges are whole",
-        ),
-        ("groups:", "surrogate: {fields: 8}\ngroups:", "surrogate: fields: point contacts have none; must be 0"),
-        ("peak_pressure <=", "leading_compression <= 1 MPa, peak_pressure <=", "'leading_compression' is not one of"),
-        (
-            "groups:",
-            "categories: {profile: [sphere, cylinder]}\ngroups:",
-            "categories: profile: sphere, cylinder: lines and points need a study each",
-        ),
-    ],
-)
-def test_what_a_point_has_not_is_refused_in_one_line(old: str, new: str, message: str) -> None:
-    assert message in refusal(edited(BALL, old, new))
-
-
 EFFECTS = """\
 title: Points
 effects:
@@ -163,7 +141,7 @@ def test_the_data_set_holds_the_radial_fields(study: Study, tmp_path: Path) -> N
 
 def test_the_surrogate_of_a_probe_is_right_to_1e_5_of_the_range_within_its_box() -> None:
     """A pressure over force / thickness^2 spans eight decades, apart in the box: by its logarithm."""
-    whole = load(ROOT / "config/probe.yaml")
+    whole = shipped("probe")
     surrogate = whole.surrogate.model_copy(update={"outputs": ["peak_pressure", "depth"]})
     probe = whole.model_copy(update={"surrogate": surrogate})
     model = fitted(probe)

@@ -7,8 +7,9 @@ from solver import Material, find, solve
 from tests.studies import made
 from workflow.dataset import factorial
 from workflow.study import uncertainty
-from workflow.study.model import Study
+from workflow.study.model import Study, load
 from workflow.study.reading import InputError
+from workflow.study.target import Distribution
 
 FILM = """\
 title: A film on steel
@@ -41,6 +42,15 @@ def test_families_and_their_priors(film: Study) -> None:
     assert {priors["steel poisson"], priors["steel modulus"], priors["CoFe2O4 stiffness"]} == {0.02, 0.05}
 
 
+def test_the_first_design_question_tells_the_distribution_of_a_factor() -> None:
+    study = load("config/peaks.yaml")
+    assert list(study.distributions) == ["friction"]
+    poled = study.design["poled"]
+    narrow = poled.model_copy(update={"uncertain": {"friction": Distribution(uniform=[0.1, 0.2])}})
+    both = study.model_copy(update={"design": {"narrow": narrow, "poled": poled}})
+    assert both.distributions == {"friction": Distribution(uniform=[0.1, 0.2])}
+
+
 def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
     constants = uncertainty.uncertain(film, {"steel modulus": 0.1, "steel poisson": None, "BaTiO3 e33": 0.2})
     moved = uncertainty.moved(film, constants, np.array([1.0, -1.0, 0.5]))
@@ -54,6 +64,21 @@ def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:
     assert uncertainty.concerned(film, constants[0]) == {"base": "steel"}
     assert uncertainty.concerned(film, constants[2]) == {}
     assert [constant.change(1.0) for constant in constants] == ["+10.5 %", "+0.02", "+22.1 %"]
+
+
+def test_alternatives_that_differ_by_more_than_30_percent_are_solved() -> None:
+    """A square moves by the square of the alternative's ratio, where a first-order product of 2 x 128 % is 256 %."""
+    study = made(FILM.replace("[rigid, steel]", "[steel, polyimide]"))
+    constants = [constant for constant in uncertainty.uncertain(study) if constant.family == "modulus"]
+    assert [constant.name for constant in constants] == ["steel modulus", "polyimide modulus"]
+
+    def squares(study: Study) -> np.ndarray:
+        return np.array([float(find(name, study.own_materials).c11) ** 2 for name in ("steel", "polyimide")])
+
+    ratio = float(find("polyimide (alternative 1)").c11 / find("polyimide").c11)
+    assert ratio > 1 + uncertainty._WIDE
+    shares = uncertainty.sensitivities(study, constants, squares)
+    assert shares == pytest.approx(np.diag([2 * 0.05, ratio**2 - 1]), rel=1e-4)  # the difference quotient's own 1e-5
 
 
 def test_a_name_that_is_no_constant_is_refused(film: Study) -> None:

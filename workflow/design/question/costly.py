@@ -27,6 +27,7 @@ _MOST_SCENARIOS = 256  # of one value of one term
 _LEAST = 9  # designs of a front
 _BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
 _BATCH_FILMS = 3  # every one with tables of its own
+_SPREAD = 5  # of them spread over all scenarios, which show how far the surrogate errs alike
 _SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.14 of what the shift corrects
 
 
@@ -98,9 +99,11 @@ def count_exactly(design: Question, term: Term) -> Counted:
     """Value of a term at one design over the scenarios of the verdict, with the deciding ones solved exactly.
 
     The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
-    the errors that the surrogate has shown, until none is left. Scenarios that weigh a thousandth of a mean together
-    are not solved: a mean errs by a thousandth of the surrogate's own errors. Where very many scenarios decide, the few
-    of the search are solved instead, and the surrogate says what the many change.
+    the errors that the surrogate has shown, until none is left. Of films, the mean error of solved scenarios, the first
+    of which are spread over all, corrects the predictions of the others, and what is left of it counts. Scenarios that
+    weigh a thousandth of a mean together are not solved: a mean errs by a thousandth of the surrogate's own errors.
+    Where very many scenarios decide, the few of the search are solved instead, and the surrogate says what the many
+    change.
     """
     many, few = design.judged[term.key], design.searched[term.key]
     whole = design.value(design.predicted, many, term)
@@ -113,7 +116,7 @@ def count_exactly(design: Question, term: Term) -> Counted:
 
 def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
     """Solve scenarios of predicted values (1, groups, draws) in batches until all that may decide are solved."""
-    values = predicted.copy()
+    values, films = predicted.copy(), design.study.kind.tabled
     flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
     while True:
         value = float(term.counted(values)[0])
@@ -125,10 +128,23 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
         missing &= ~solved
         if not missing.any():
             return Counted(value, int(solved.sum()))
-        batch = _batch(missing, solved, distances, _BATCH_FILMS if design.study.kind.tabled else _BATCH)
+        batch = _batch(missing, solved, distances, _BATCH_FILMS if films else _BATCH)
+        if films and not solved.any() and values.shape[2] == 1:
+            batch = np.union1d(batch, np.linspace(0, chosen.count - 1, _SPREAD).astype(int))
         exact = _solve(design, chosen, batch, [term])[0][0]
         error = max(error, float(np.abs(exact - flat[batch]).max()))
         flat[batch], solved[batch] = exact, True
+        if films:
+            mean, spread = _errors(values[0], predicted[0], solved.reshape(values.shape[1:]))
+            error = error if values.shape[2] > 1 else spread
+            values[0] = np.where(solved.reshape(mean.shape), values[0], predicted[0] + mean)
+
+
+def _errors(values: Array, predicted: Array, solved: Bools) -> tuple[Array, float]:
+    """Mean error of solved groups for every draw, (group, draw), and the largest deviation from that mean."""
+    off = np.where(solved, values - predicted, 0.0)
+    mean = np.broadcast_to(off.sum(0) / np.maximum(solved.sum(0), 1), off.shape)
+    return mean, float(np.abs(np.where(solved, off - mean, 0.0)).max())
 
 
 def _batch(missing: Bools, solved: Bools, distances: Array, least: int) -> Indices:

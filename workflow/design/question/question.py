@@ -97,7 +97,7 @@ class Question:
         if not statement.deviation:
             return None
         names = self.target.deviating(statement)
-        sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, scenarios.JUDGED)]
+        sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, self._judged_nodes)]
         return Deviation(names, RelativeDeviation({len(weights): weights for weights in sets}))
 
     @cached_property
@@ -113,7 +113,12 @@ class Question:
     @cached_property
     def judged(self) -> dict[Key, Scenarios]:
         """Scenarios of the verdict, many more than those of the search."""
-        return self._scenarios(scenarios.JUDGED, scenarios.DRAWN_TO_JUDGE)
+        return self._scenarios(self._judged_nodes, scenarios.DRAWN_TO_JUDGE)
+
+    @property
+    def _judged_nodes(self) -> dict[int, int]:
+        """Nodes a factor of the verdict's ranges, by the number of factors; films have tables for each."""
+        return scenarios.JUDGED_FILMS if self.study.kind.tabled else scenarios.JUDGED
 
     def _scenarios(self, nodes: dict[int, int], drawn: int) -> dict[Key, Scenarios]:
         """All sets of scenarios, each with the terms that count over it."""

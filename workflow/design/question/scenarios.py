@@ -17,6 +17,7 @@ from workflow.study.target import Target
 #: Nodes a factor of a tensor of ranges, by the number of factors, while searching and while judging the outcome.
 SEARCHED = {0: 1, 1: 9, 2: 7, 3: 5}
 JUDGED = {0: 1, 1: 201, 2: 31, 3: 11}
+JUDGED_FILMS = JUDGED | {1: 31}
 #: Draws of the distributions: powers of two, as Sobol' sequences want.
 DRAWN, DRAWN_TO_JUDGE = 256, 4096
 #: Nodes a worst-case factor beside draws.

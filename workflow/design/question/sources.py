@@ -88,6 +88,7 @@ class Exact(Source):
         self._study = study
         self._beyond = beyond if beyond is not None and beyond.edge is not None else None
         self.edge = None if self._beyond is None else self._beyond.edge
+        self._solved: dict[tuple[float, ...], dict[str, float]] = {}  # costly cases by their factors
 
     @property
     def quantities(self) -> list[str]:
@@ -96,6 +97,27 @@ class Exact(Source):
 
     @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        if self._study.costly.isdisjoint(names):
+            return self._anew(factors, names)
+        return self._remembered(factors, names)
+
+    def _remembered(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """Quantities of costly cases, each of which is solved once: the terms of a question share their scenarios."""
+        whole, over = shape(factors), sorted(factors)
+        columns = [np.broadcast_to(factors[name], whole).ravel().tolist() for name in over]
+        rows = list(zip(*columns, strict=True))
+        missing = list(dict.fromkeys(row for row in rows if not self._solved.get(row, {}).keys() >= {*names}))
+        if missing:
+            anew = dict(zip(over, np.array(missing).T[:, None], strict=True))
+            together = [name for name in self.quantities if name not in ALL_PEAKS]  # a case has them all at one price
+            solved = self._anew(anew, names if self._beyond or not {*together} >= {*names} else together)
+            cases = np.stack([np.broadcast_to(values, (1, len(missing)))[0] for values in solved.values()], -1)
+            for row, case in zip(missing, cases.tolist(), strict=True):
+                self._solved[row] = self._solved.get(row, {}) | dict(zip(solved, case, strict=True))
+        return {name: np.array([self._solved[row][name] for row in rows]).reshape(whole) for name in names}
+
+    def _anew(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """Quantities of cases from the solver; of cases that it refuses beyond a known edge, from the surrogate."""
         axes = _labelled(factors)
         peaks = [name for name in names if name in ALL_PEAKS]
         if self._beyond is None:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated
 
 import xarray as xr
 
@@ -20,52 +21,52 @@ _PLAIN = 10.0  # times a limit, from which an excess is written without digits b
 class Category:
     """Chosen or given name of a category."""
 
-    category: str
-    kind: str
-    kind_role: Role
+    category: Annotated[str, "name of a category"]
+    kind: Annotated[str, "what was chosen of the category"]
+    kind_role: Annotated[Role, "whether the category was chosen or given"]
 
 
 @dataclass(frozen=True)
 class Choice:
     """A choice of categories and listed values in words, with its best objective on the surrogate."""
 
-    choice: str
-    choice_objective: float
-    choice_feasible: bool
+    choice: Annotated[str, "a choice of categories, in words"]
+    choice_objective: Annotated[float, "best objective of a choice, over its unit in units"]
+    choice_feasible: Annotated[bool, "whether a choice keeps every limit"]
 
 
 @dataclass(frozen=True)
 class Range:
     """Least and largest exact value of a quantity over the scenarios, over its SI unit."""
 
-    quantity: str
-    exact_low: float
-    exact_high: float
+    quantity: Annotated[str, "name of a quantity"]
+    exact_low: Annotated[float, "least exact quantity over the scenarios, over its SI unit"]
+    exact_high: Annotated[float, "largest exact quantity over the scenarios, over its SI unit"]
 
 
 @dataclass(frozen=True)
 class Figure:
     """Least and largest exact value of a device's figure over the scenarios, over its SI unit."""
 
-    figure: str
-    figure_low: float
-    figure_high: float
+    figure: Annotated[str, "name of a figure of a device"]
+    figure_low: Annotated[float, "least exact value of the figure over the scenarios, over its SI unit"]
+    figure_high: Annotated[float, "largest exact value of the figure over the scenarios, over its SI unit"]
 
 
 @dataclass(frozen=True)
 class Constant:
     """An uncertain constant of a material, or a family of them, with its prior standard deviation in words."""
 
-    constant: str
-    prior: str
+    constant: Annotated[str, "an uncertain constant of a material, or a family of them"]
+    prior: Annotated[str, "standard deviation of the constant"]
 
 
 @dataclass(frozen=True)
 class Overload:
     """The load at the first limit over the design's own, and the name of that limit; empty where none stops it."""
 
-    overload: float
-    overload_term: str
+    overload: Annotated[float, "load at the first limit over the design's own"]
+    overload_term: Annotated[str, "the limit that stops the load; empty where none does up to ten times the load"]
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ names none.
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 
 from solver import FactorError, Material, MaterialError, Stack, solve
 from solver.body import Kind
-from solver.face.heat import responses
+from solver.face.heat import responses, stack_of, widened
 from solver.face.strain import DEEP, WIDE
 from solver.material.punches import RIGID_PUNCH, punches
 from solver.names import BODY, CHOICES, FACTORS
@@ -34,12 +34,15 @@ TILT = 1e-4  # rad: 0.1 mm per metre, a good fixture
 LENGTH = 10e-3  # m of a line
 ADHESION = 0.05  # J/m2: clean metal or polymer in air, as in docs/limits.md
 BIAS = 1e-12  # A: of a usual FET input
+PAD = 1e-3  # m: diameter or width of a pad that is read
+SUPPORT = 10e-3  # m from the force to the supports of a base
 WARMER, HOLD = 1.0, 1.0  # K and s: what touches is warmer by so much, for so long
 DENSITY = 7800.0  # kg/m3 of steel: of a rigid punch, and of one without a name
 GRAVITY = 9.81  # m/s2
 
 _CHARGE_MOVES = 0.07  # of the charge per force of a film, at most, by 10 nm: rough balls on a grid; 0 on a half-space
 _STEEP = 0.01  # rms over the contact's radius: waves that long and higher have slopes that no polish leaves
+_FEW = 0.1  # share of the charge from which bending and the end of a pad matter
 _APART = 3.8  # p*/p0 at which both laws of roughness meet
 _READ = ("patch_charge_per_force", "electrode_charge_per_force", "charge_per_force")
 _CAPACITANCE = ("capacitance_at_force", "capacitance_at_load", "capacitance", "capacitance_per_length")
@@ -49,15 +52,17 @@ _CAPACITANCE = ("capacitance_at_force", "capacitance_at_load", "capacitance", "c
 class LeftOut:
     """One effect that the model leaves out, at one case."""
 
-    left_out: str  # its name
-    left_out_moves: str  # "signal", "stress" or "signal, stress"; empty for what only informs
-    left_out_size: float  # the effect's size in this case, over its SI unit
-    left_out_matters: float  # size at which it matters, over the same unit
-    left_out_units: str
-    left_out_share: float  # relative change of what it moves; NaN where it is not known, or on the safe side
-    left_out_ratio: float  # share over the printed band
-    left_out_brief: str  # for a verdict
-    left_out_words: str  # one sentence
+    left_out: Annotated[str, "effect that the model leaves out"]
+    left_out_moves: Annotated[
+        str, "what the effect moves: the signal, the stress, or both; empty for what only informs"
+    ]
+    left_out_size: Annotated[float, "size of the effect at this design, over its unit in left_out_units"]
+    left_out_matters: Annotated[float, "size at which the effect matters, over its unit in left_out_units"]
+    left_out_units: Annotated[str, "unit of the effect's size"]
+    left_out_share: Annotated[float, "relative change by the effect of what it moves"]
+    left_out_ratio: Annotated[float, "that change over the printed band"]
+    left_out_brief: Annotated[str, "the effect in few words"]
+    left_out_words: Annotated[str, "the effect in one sentence"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +123,23 @@ class SolvedCase:
         """Size of the charge that is read [C]; NaN where none is."""
         name = next((name for name in _READ if name in self.solved), None)
         return abs(self.solved[name]) * self.force if name else np.nan
+
+    @property
+    def stack(self) -> Stack | None:
+        """The layers of a film; None of a half-space, of a graded film and of a base by its modulus."""
+        if self.body or not self.kind.layered:
+            return self.body
+        try:
+            return stack_of(self.factors, self.materials, self.phases)
+        except (FactorError, MaterialError):
+            return None
+
+    @property
+    def collecting(self) -> float:
+        """Radius, or half of the width, of what collects the charge [m]: a pad, else the punch's contact."""
+        if "patch_size" in self.factors:
+            return min(float(self.factors["patch_size"]) / 2, SUPPORT)
+        return SUPPORT if "electrode_charge_per_force" in self.solved else self.half
 
     @property
     def shown_band(self) -> float:
@@ -237,12 +259,59 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
         kelvin *= part
     detail += f"; of the whole body {shown(kelvin, 'K', 2)} equal {whose}"
     yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, detail)
+    body = {BODY: case.body} if case.body else {}
+    width, added = widened({**factors, **body}, out, case.materials, case.phases)
+    brief = f"heat beside the contact adds {_times(share * added)} the signal"
+    detail = f"; a surface that loses no heat widens the warm spot by {shown(width, 'm', 2)}"
+    yield _effect(case, "heat beside the contact", "signal", width, case.half, "m", share * added, brief, detail)
 
 
 def _uniform(case: SolvedCase, solved: xr.Dataset) -> float:
     """Charge of a change of temperature everywhere [C/K]."""
     factors = {**case.factors, **({BODY: case.body} if case.body else {})}
     return abs(case.length * responses(factors, solved, np.empty(0), case.materials, case.phases)[1])
+
+
+def _pad(case: SolvedCase) -> Iterator[LeftOut]:
+    """The solver's own charge of a pad against that of an electrode without end: the rest falls as thickness/size."""
+    endless = case.solved.get("electrode_charge_per_force")
+    if endless is None or "patch_size" in case.factors or case.kind.air:
+        return
+    pad = {"patch_size": PAD, "patch": "disc" if case.point else "strip"}
+    charge = float(case.solve({**case.factors, **pad})["patch_charge_per_force"].squeeze())
+    share = abs(charge / endless - 1)
+    brief = f"the end of a pad of {shown(PAD, 'm', 2)} changes the charge by {number(100 * share, 2)} %"
+    detail = f"; from {shown(PAD * share / _FEW, 'm', 2)} on it changes by less than {number(100 * _FEW, 2)} %"
+    yield _effect(case, "end of the pad", "signal", PAD * share / _FEW, PAD, "m", share, brief, detail)
+
+
+def _bending(case: SolvedCase) -> Iterator[LeftOut]:
+    """A base on a ring bends: strain of its surface times the clamped coefficient, over what collects the charge.
+
+    Sum of the moments at r below a force P in the middle of a plate on a ring of radius b: P/4 pi (2 (1 + nu) log(b/r)
+    + 1 - nu) (S. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, McGraw-Hill 1959, article 19); of a
+    strip on two edges P/2 (b - x) per length. They stretch the surface by 6 (1 - nu)/(E t^2), and 6 (1 - nu^2)/(E t^2).
+    """
+    stack = case.stack
+    if stack is None or isinstance(stack.base, str) or not np.isfinite(case.charge):
+        return
+    base = stack.base
+    poisson = float(base.c12 / (base.c11 + base.c12))
+    young = float(2 * base.c44 * (1 + poisson))
+    films = [layer.material for layer in stack.layers]
+    coefficient = max(abs(float(film.e31 - film.e33 * film.c13 / film.c33)) for film in films)
+    if not np.isfinite(young) or not coefficient:
+        return
+    pad = case.collecting
+    if case.point:
+        moments = pad**2 / 4 * (2 * (1 + poisson) * (np.log(SUPPORT / pad) + 0.5) + 1 - poisson)
+        stretched = 6 * (1 - poisson) / young * moments
+    else:
+        stretched = 6 * (1 - poisson**2) / young * (SUPPORT - pad / 2) * pad
+    thickness = float(np.sqrt(coefficient * stretched * case.force / (_FEW * case.charge)))
+    brief = f"a base thinner than {shown(thickness, 'm', 2)} on supports {shown(SUPPORT, 'm', 2)} away bends"
+    detail = f", and adds more than {number(100 * _FEW, 2)} % to the charge"
+    yield _effect(case, "bending of the base", "", thickness, np.nan, "m", np.nan, brief, detail)
 
 
 def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
@@ -338,7 +407,7 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
 def _friction(case: SolvedCase) -> Iterator[LeftOut]:
     """Friction slides everywhere in one direction; a press without motion has less tension."""
     slides = float(case.factors.get("friction") or 0) > 0
-    if not slides or "trailing_tension" not in case.solved or case.kind.layered:  # whose other table takes a second
+    if not slides or "trailing_tension" not in case.solved:
         return
     tension = case.solved["trailing_tension"]
     tension_at_rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
@@ -362,5 +431,5 @@ def _limits(case: SolvedCase) -> Iterator[LeftOut]:
             yield _effect(case, titles.title(name), "", size, limit.value, units, np.nan, brief, detail)
 
 
-_BY_SIGNAL = (_constants, _heat, _adhesion, _amplifier, _mass)
+_BY_SIGNAL = (_constants, _heat, _pad, _bending, _adhesion, _amplifier, _mass)
 _BY_STRESS = (_strain, _roughness, _tilt, _friction, _limits)

@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, get_origin, get_type_hints
 
 import numpy as np
 import xarray as xr
@@ -22,64 +22,27 @@ _LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x",
 
 SOURCE = "meecontact: search on a Gaussian process, polished and judged on the closed-form solution"
 SOURCE_OF_FILMS = "meecontact: search on a Gaussian process, judged on the exact solver of films"
+_DESCRIBED = (Category, Choice, Range, Figure, Constant, Overload, LeftOut, Term, Variable, Sensitivity)
 _MEANINGS = {
+    **{
+        name: hint.__metadata__[0]
+        for row in _DESCRIBED
+        for name, hint in get_type_hints(row, include_extras=True).items()
+        if get_origin(hint) is Annotated
+    },
     "target": "name of a design target",
     "factor": "name of a factor",
     "term": "objective or limit",
-    "quantity": "name of a quantity",
-    "category": "name of a category",
     "goal": "what is asked for",
-    "value": "factor of the design, over its SI unit",
-    "tolerance": "how far the factor may be off as built",
     "tolerance_cost": "share of the goal that is gained without this one tolerance",
     "tolerance_gain": "share of the goal that is gained by half of this one tolerance",
     "nominal_value": "factor of the optimum without tolerances, over its SI unit",
     "nominal_exact": "exact goal of the optimum without tolerances, over its unit in units",
     "nominal_choice": "categories of the optimum without tolerances",
-    "figure": "name of a figure of a device",
-    "figure_low": "least exact value of the figure over the scenarios, over its SI unit",
-    "figure_high": "largest exact value of the figure over the scenarios, over its SI unit",
-    "overload": "load at the first limit over the design's own",
-    "overload_term": "the limit that stops the load; empty where none does up to ten times the load",
-    "constant": "an uncertain constant of a material, or a family of them",
-    "prior": "standard deviation of the constant",
-    "effect": "relative change of the term by one standard deviation of the constant",
-    "spread": "standard deviation of the term by all uncertain constants, over the term; to first order",
-    "role": "what the factor is in the design",
-    "predicted": "predicted term, over its unit in units",
-    "predicted_std": "predicted standard deviation of the term, over its unit in units",
-    "half": "half of the interval of the predicted term, over its unit in units",
-    "exact": "exact term, over its unit in units",
-    "inside": "whether the exact term lies inside the predicted interval",
-    "limit": "limit of the term, over its unit in units",
-    "margin": "share of the limit that is left; negative beyond it",
-    "units": "unit of the term",
-    "bound": "what of a material the limit is, if it names that",
-    "source": "where that comes from",
     "beyond": "what is beyond what the materials bear: linear theory does not hold there",
-    "worst": "factor in the scenario that decides the term, over its SI unit",
-    "exact_low": "least exact quantity over the scenarios, over its SI unit",
-    "exact_high": "largest exact quantity over the scenarios, over its SI unit",
-    "left_out": "effect that the model leaves out",
-    "left_out_moves": "what the effect moves: the signal, the stress, or both; empty for what only informs",
-    "left_out_size": "size of the effect at this design, over its unit in left_out_units",
-    "left_out_matters": "size at which the effect matters, over its unit in left_out_units",
-    "left_out_units": "unit of the effect's size",
-    "left_out_share": "relative change by the effect of what it moves",
-    "left_out_ratio": "that change over the printed band",
-    "left_out_brief": "the effect in few words",
-    "left_out_words": "the effect in one sentence",
     "feasible": "whether the design keeps every limit",
     "status": "what binds or is violated",
     "flags": "what else is to be known of the design",
-    "elasticity": "relative change of the term for a relative change of the factor",
-    "cost": "share of the objective lost by an error of 1 % in the factor",
-    "loss": "what an error of 1 % in the factor takes from the objective, over its unit in units",
-    "edge": "which end of its range the factor stands at, if any",
-    "matters": "whether an error of 1 % in the factor changes any objective",
-    "margin_left": "least margin of all limits after an error of 1 % in the factor",
-    "kind": "what was chosen of the category",
-    "kind_role": "whether the category was chosen or given",
 }
 _PICTURES = {
     "map_x": "first variable of the design map, over its SI unit",
@@ -96,9 +59,6 @@ _PICTURES = {
     "position": "surface position X = (x - c)/h, in half-lengths from the middle of the contact",
     "x": "position (x - c)/h below the punch, in half-lengths from the middle of the contact",
     "y": "height above the surface, in half-lengths of the contact",
-    "choice": "a choice of categories, in words",
-    "choice_objective": "best objective of a choice, over its unit in units",
-    "choice_feasible": "whether a choice keeps every limit",
     "front": "a design of the Pareto front",
     "objective": "an objective of the Pareto front",
     "front_exact": "exact objective of a design of the front, over its unit in units",

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
@@ -22,22 +23,22 @@ class Term:
     """A judged objective or limit; all numbers are in its unit."""
 
     statement: Objective | Limit  # The objective or the limit, as the study states it
-    # On the surrogate: value, standard deviation, reach of the 95 % interval (tolerance of the study included)
-    predicted: float
-    predicted_std: float
-    half: float
-    exact: float  # On the exact solver
-    inside: bool  # Whether the exact value lies inside the interval
-    # The bound, and the share of it that is left; NaN for an objective
-    limit: float
-    margin: float
-    units: str  # In the interface's notation where a quantity has it, in base units otherwise
-    # Whose the bound is if it names what a material bears, and where that comes from
-    bound: str
-    source: str
-    worst: Scenario  # The case that decides
-    effect: tuple[float, ...] = ()  # Relative change by one standard deviation of each of the answer's constants
-    spread: float = np.nan  # Root of the sum of the effects' squares; NaN where no one case tells it
+    predicted: Annotated[float, "predicted term, over its unit in units"]
+    predicted_std: Annotated[float, "predicted standard deviation of the term, over its unit in units"]
+    half: Annotated[float, "half of the interval of the predicted term, over its unit in units"]
+    exact: Annotated[float, "exact term, over its unit in units"]
+    inside: Annotated[bool, "whether the exact term lies inside the predicted interval"]
+    # NaN for an objective
+    limit: Annotated[float, "limit of the term, over its unit in units"]
+    margin: Annotated[float, "share of the limit that is left; negative beyond it"]
+    units: Annotated[str, "unit of the term"]
+    bound: Annotated[str, "what of a material the limit is, if it names that"]
+    source: Annotated[str, "where that comes from"]
+    worst: Annotated[Scenario, "factor in the scenario that decides the term, over its SI unit"]
+    effect: Annotated[tuple[float, ...], "relative change of the term by one standard deviation of the constant"] = ()
+    spread: Annotated[
+        float, "standard deviation of the term by all uncertain constants, over the term; to first order"
+    ] = np.nan
 
     @property
     def name(self) -> str:

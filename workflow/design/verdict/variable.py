@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Annotated
 
 import numpy as np
 
@@ -48,14 +49,13 @@ class End(StrEnum):
 class Sensitivity:
     """Effects of small errors in building one variable."""
 
-    # Relative change of every term for a relative change of the variable; NaN where that is not known
-    elasticity: tuple[float, ...]
-    # What an error of 1 % takes from the first objective: as a share of it (NaN where it is next to zero), and over
-    # its unit
-    cost: float = np.nan
-    loss: float = np.nan
-    matters: bool = True  # Whether that error changes any objective
-    margin_left: float = np.nan  # Least margin of all limits after it
+    elasticity: Annotated[tuple[float, ...], "relative change of the term for a relative change of the factor"]
+    cost: Annotated[float, "share of the objective lost by an error of 1 % in the factor"] = np.nan
+    loss: Annotated[float, "what an error of 1 % in the factor takes from the objective, over its unit in units"] = (
+        np.nan
+    )
+    matters: Annotated[bool, "whether an error of 1 % in the factor changes any objective"] = True
+    margin_left: Annotated[float, "least margin of all limits after an error of 1 % in the factor"] = np.nan
 
 
 @dataclass(frozen=True)
@@ -63,11 +63,11 @@ class Variable:
     """A factor of the design, chosen or given."""
 
     name: str  # Of the factor
-    value: float  # In SI; of a design variable without its tolerance, else in the case that decides the first objective
-    role: Role  # What the factor is in the design
+    value: Annotated[float, "factor of the design, over its SI unit"]
+    role: Annotated[Role, "what the factor is in the design"]
     sensitivity: Sensitivity  # What small errors in it make of the design
-    tolerance: str = ""  # How far it may be off as built, as the study writes it; empty where there is no tolerance
-    edge: End | None = None  # The end of its range at which it stands, if any
+    tolerance: Annotated[str, "how far the factor may be off as built"] = ""
+    edge: Annotated[End | None, "which end of its range the factor stands at, if any"] = None
 
     @property
     def chosen(self) -> bool:

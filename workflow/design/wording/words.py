@@ -33,7 +33,7 @@ _NOTHING = 1e-3  # least gain by a wider range that is reported
 class Verdict:
     """Verdict on one design, as sentences; a sentence that does not apply is empty."""
 
-    kind: str  # RECOMMENDED, AT_EDGE or UNREACHABLE; BEYOND is put before it, or WITHIN with an effect in its place
+    kind: str  # RECOMMENDED, AT_EDGE or UNREACHABLE; BEYOND before it; with an effect left out, WITHIN, and that behind
     stops: str  # limits and range ends that bind
     advice: str = ""  # change that would give a better or a feasible design
     idle: str = ""  # variables and range ends without effect on the goal
@@ -60,16 +60,20 @@ def verdict(answer: Answer) -> Verdict:
         tolerance=asides.tolerated(answer),
         device=asides.device(answer),
     )
-    if answer.broken or not answer.beyond:
-        recommended = sentences.kind == RECOMMENDED
-        return replace(sentences, kind=within(answer.left_out, _moved(answer))) if recommended else sentences
-    return replace(sentences, kind=f"{BEYOND}; otherwise {sentences.kind}", beyond=f"{capital(answer.beyond)}.")
+    if answer.broken:
+        return sentences
+    kind = within(answer.left_out, _moved(answer), sentences.kind)
+    if not answer.beyond:
+        return replace(sentences, kind=kind)
+    return replace(sentences, kind=f"{BEYOND}; otherwise {kind}", beyond=f"{capital(answer.beyond)}.")
 
 
-def within(effects: Sequence[LeftOut], moved: Set[str]) -> str:
-    """Return the verdict on a design that nothing stops, with the largest effect that could."""
+def within(effects: Sequence[LeftOut], moved: Set[str], kind: str = RECOMMENDED) -> str:
+    """Return the verdict on a feasible design with the largest effect, if any, that the model leaves out."""
     effect = leftout.largest(effects, moved)
-    return f"{WITHIN}; {effect.left_out_brief}" if effect else RECOMMENDED
+    if not effect:
+        return kind
+    return f"{WITHIN if kind == RECOMMENDED else kind}; {effect.left_out_brief}"
 
 
 def _moved(answer: Answer) -> set[str]:

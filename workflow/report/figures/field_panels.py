@@ -14,24 +14,18 @@ from solver.fields import POINT_FIELDS
 from solver.units import prefixed
 from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers, titles
+from workflow.report import symbols
 from workflow.report.figures.contours import below
 from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, field_label, panels, styled
 from workflow.report.svg import INK
 from workflow.study import coupling
 
-#: Fields that the parametric study shows, in the paper's order.
-SHOWN = (
-    "contact_pressure",
-    "electric_displacement_y",
-    "magnetic_induction_y",
-    "stress_xx",
-    "electric_displacement_x",
-    "magnetic_induction_x",
-)
+#: Fields that the parametric study shows.
+SHOWN = tuple(symbols.FIELDS)
 #: Those that are 0 beside the contact.
 _INSIDE = (*SHOWN[:3], "electric_displacement", "magnetic_induction")
-#: Symbols of the paper by field.
-_SYMBOLS = dict(zip(SHOWN, ("−σ_yy", "D_y", "B_y", "σ_xx", "D_x", "B_x"), strict=True))
+#: Symbols of the paper by field, with their equations.
+_SYMBOLS = {name: f"{symbol} ({equation})" for name, (symbol, equation) in symbols.FIELDS.items()}
 _ACROSS, _WIDE = 3, 32  # panels in a row, and letters of a label beside one
 _THREE = ("low", "middle", "high")
 

@@ -36,7 +36,8 @@ function offBy(model, tree, values, errors) {
     const at = (size) => evaluate(tree, { ...values, [name]: values[name] + size });
     return { ...one, slope: one.std > 0 ? (at(one.std) - at(-one.std)) / 2 : 0 };
   }).filter(({ slope }) => slope !== 0);
-  if (!model.together || told.length < 2) return told.reduce((sum, { slope, std, reach }) => sum + (Math.abs(slope) * reach) / std, 0);
+  const alone = (size) => told.reduce((sum, one) => sum + (Math.abs(one.slope) * one[size]) / one.std, 0);
+  if (!model.together || told.length < 2) return alone("reach");
   const { rows, outputs, scores } = model.together;
   const sums = Float64Array.from({ length: rows }, (_, row) =>
     told.reduce((sum, { slope, column }) => sum + slope * scores[row * outputs + column], 0)).sort();
@@ -44,7 +45,7 @@ function offBy(model, tree, values, errors) {
     const place = Math.min(Math.max(share * (rows + 1) - 1, 0), rows - 1), below = Math.floor(place);
     return sums[below] + (place - below) * (sums[Math.min(below + 1, rows - 1)] - sums[below]);
   };
-  return Math.max(Math.abs(end((1 - model.interval.level) / 2)), Math.abs(end((1 + model.interval.level) / 2)));
+  return Math.max(Math.abs(end((1 - model.interval.level) / 2)), Math.abs(end((1 + model.interval.level) / 2))) + alone("room");
 }
 
 // Of a panel: its data and model, and which kind of case and which target are chosen.
@@ -63,7 +64,7 @@ function judging(panel) {
   function errors({ mean, std, lower, upper }) {
     return Object.fromEntries(data.quantities.map(({ name }, p) => {
       const column = panel.kind.columns[p];
-      return [name, { column, std: std[column], reach: Math.max(upper[column] - mean[column], mean[column] - lower[column]) }];
+      return [name, { column, std: std[column], room: model.interval.rooms[column], reach: Math.max(upper[column] - mean[column], mean[column] - lower[column]) }];
     }));
   }
 

@@ -7,9 +7,18 @@ function loadCurves(plain) {
   return { ...plain, nets: plain.nets.map(loadNet) };
 }
 
+// Mean and vectors of fields: each row in steps of its own, or as it is, over the fields' scales (surrogate/use/export.py).
+function readFields({ shape, scales, rows }) {
+  const data = new Float32Array(shape[0] * shape[1] * shape[2]);
+  rows.forEach(({ step, values }, r) => readArray(values).data.forEach((one, k) => {
+    data[r * shape[1] * shape[2] + k] = one * step * scales[k % shape[2]];
+  }));
+  return { shape, data };
+}
+
 // A net of panels: mean and vectors of its fields, the points that are scanned, and pairs of neighbours among these.
 function loadNet(plain) {
-  const net = { ...plain, whole: readCore(plain.whole), panels: [], scan: [], pairs: [], counts: [Math.max(...plain.across), Math.max(...plain.down)] };
+  const net = { ...plain, whole: readFields(plain.whole), panels: [], scan: [], pairs: [], counts: [Math.max(...plain.across), Math.max(...plain.down)] };
   const all = (count) => Array.from({ length: count }, (_, k) => k);
   const some = (count) => all(count).filter((k) => k % 2 === 0 || k === count - 1);
   let start = 0;

@@ -1,47 +1,35 @@
-// The trained surrogate in the browser: the arithmetic of surrogate/gp/gridgp.py, factors.py, correction.py and conformal.py.
+// The trained surrogate in the browser: rounded means (surrogate/use/export.py), the variance of gridgp.py and conformal.py.
 "use strict";
+
+const TYPES = { i1: Int8Array, i2: Int16Array, f4: Float32Array, f8: Float64Array };
 
 function readArray(stored) {
   const bytes = Uint8Array.from(atob(stored.data), (c) => c.charCodeAt(0));
-  return { shape: stored.shape, data: new Float64Array(bytes.buffer) };
-}
-
-// Whole numbers by groups of seven bits, times a number for the row and one for the column (surrogate/use/packing.py).
-function readCore(stored) {
-  const [r, modes, s] = stored.shape, text = atob(stored.data), data = new Float64Array(r * modes * s);
-  const rows = readArray(stored.rows).data, columns = readArray(stored.columns).data;
-  let place = 0;
-  for (let n = 0; n < data.length; n++) {
-    let whole = 0, size = 1, byte;
-    do {
-      byte = text.charCodeAt(place++);
-      whole += (byte & 127) * size;
-      size *= 128;
-    } while (byte > 127);
-    data[n] = (whole % 2 ? -(whole + 1) / 2 : whole / 2) * rows[Math.floor(n / (modes * s))] * columns[n % s];
-  }
-  return { shape: stored.shape, data };
+  return { shape: stored.shape, data: new TYPES[stored.type](bytes.buffer) };
 }
 
 function loadSurrogate(plain) {
-  const model = { ...plain, cores: plain.cores?.map(readCore) };
-  for (const name of ["offset", "scale", "amplitude", "variance"]) if (plain[name]) model[name] = readArray(plain[name]);
+  const model = { ...plain, trains: plain.trains.map((train) => ({ ...train, numbers: readArray(train.numbers).data })) };
+  for (const name of ["amplitude", "variance"]) if (plain[name]) model[name] = readArray(plain[name]);
+  model.factors = plain.factors?.map((one) => ({ ...one, decay: readArray(one.decay).data, unknown: readArray(one.unknown).data }));
   if (plain.calibration) {
     model.calibration = {};
     for (const name of Object.keys(plain.calibration)) model.calibration[name] = readArray(plain.calibration[name]);
   }
-  if (plain.correction) model.correction = { ...plain.correction, coefficients: readArray(plain.correction.coefficients) };
   if (plain.curves) model.curves = loadCurves(plain.curves);
   if (plain.together) model.together = loadTogether(plain.together);
   if (plain.region) model.region = { ...plain.region, coefficients: readArray(plain.region.coefficients).data, places: readArray(plain.region.places) };
-  if (plain.interval) model.interval = { level: plain.interval.level, lower: readArray(plain.interval.lower), upper: readArray(plain.interval.upper) };
+  if (plain.interval) {
+    model.interval = { level: plain.interval.level };
+    for (const name of ["lower", "upper", "rooms"]) model.interval[name] = readArray(plain.interval[name]).data;
+  }
   return model;
 }
 
 // Scores of the held-out rows, in deviations, row by row (surrogate/intervals/copula.py).
 function loadTogether({ ranks, probabilities, quantiles }) {
-  const { shape: [rows, , outputs], data } = readCore(ranks), of = readArray(quantiles).data;
-  const scores = data.map((rank, n) => {
+  const { shape: [rows, outputs], data } = readArray(ranks), of = readArray(quantiles).data;
+  const scores = Float64Array.from(data, (rank, n) => {
     const share = (rank + 0.5) / rows, column = n % outputs;
     const k = Math.max(probabilities.findIndex((next) => next >= share), 1), wide = probabilities[k] - probabilities[k - 1];
     const below = of[(k - 1) * outputs + column], above = of[k * outputs + column];
@@ -79,41 +67,32 @@ function chebyshev(t, count) {
   return T;
 }
 
-// What one factor contributes: functions that multiply the coefficients of the mean, prior variance, what is unknown.
-function features(factor, t, modes) {
-  const n = factor.levels, T = chebyshev(t, factor.decay.length), mean = T.slice(0, modes);
-  for (let m = factor.firstDamped; m < modes; m++) mean[m] -= 2 * factor.damping[m] * T[n] * T[n - m];
+// What one factor contributes to the variance, from its polynomials: prior, and what is unknown.
+function features(factor, T) {
+  const n = factor.levels;
   let prior = 0, residual = 0;
   for (let m = 0; m < factor.decay.length; m++) prior += factor.decay[m] * T[m] * T[m];
   if (!factor.affine) {
     for (let m = 0; m < n; m++) residual += factor.unknown[m] * T[m] * T[m];
     residual *= T[n] * T[n];
   }
-  return { mean, prior, residual };
+  return { prior, residual };
 }
 
-function contract(state, core, feature) {
-  const [r, modes, s] = core.shape, next = new Float64Array(s);
-  for (let i = 0; i < r; i++) {
-    for (let m = 0; m < modes; m++) {
-      const weight = state[i] * feature[m], row = (i * modes + m) * s;
-      for (let j = 0; j < s; j++) next[j] += weight * core.data[row + j];
+// The mean of one output, from the polynomials of every axis.
+function contract({ modes, ranks, numbers, offset }, order, T) {
+  let state = [1], place = 0;
+  order.forEach((k, position) => {
+    const next = new Float64Array(ranks[position]);
+    for (const one of state) {
+      for (let m = 0; m < modes[position]; m++) {
+        const weight = one * T[k][m];
+        for (let j = 0; j < next.length; j++) next[j] += weight * numbers[place++];
+      }
     }
-  }
-  return next;
-}
-
-// What held-out cases have told of the error of the means (correction.py): added to them.
-function correct(correction, t, mean) {
-  const { levels, degrees, coefficients } = correction, count = mean.length;
-  const T = t.map((one, k) => chebyshev(one, Math.max(levels[k], ...degrees.map((index) => index[k])) + 1));
-  degrees.forEach((index, a) => {
-    const product = index.reduce((all, degree, k) => all * T[k][degree], 1);
-    levels.forEach((n, f) => {
-      const row = (f * degrees.length + a) * count, weight = T[f][n] * product;
-      for (let p = 0; p < count; p++) mean[p] += weight * coefficients.data[row + p];
-    });
+    state = next;
   });
+  return state[0] + offset;
 }
 
 // The arithmetic of surrogate/gp/grouping.py: axes, scales and added logarithms are products of powers of the inputs.
@@ -136,19 +115,14 @@ function grouped(model, t) {
   };
 }
 
-// What the process has learnt at scaled coordinates t, one an input: itself, coordinates along its axes, what every factor
-// contributes there, means with their corrections, and what a deviation along the axes is of an output.
+// What the process has learnt at scaled coordinates t, one an input: itself, coordinates along its axes and polynomials
+// there, means, and what a deviation along the axes is of an output.
 function learnt(model, t) {
   const by = model.groups ? grouped(model, t) : { along: t, told: (mean) => mean, size: () => 1 };
-  const modes = new Array(by.along.length);
-  model.order.forEach((k, position) => { modes[k] = model.cores[position].shape[1]; });
-  const parts = model.factors.map((factor, k) => features(factor, by.along[k], modes[k]));
-  let state = new Float64Array([1]);
-  model.order.forEach((k, position) => { state = contract(state, model.cores[position], parts[k].mean); });
-  const own = state.map((one, p) => one * model.scale.data[p] + model.offset.data[p]);
-  if (model.correction) correct(model.correction, by.along, own);
-  const mean = own.map(by.told);
-  return { process: model, along: by.along, parts, mean, size: (p) => by.size(mean[p], p) };
+  const counts = model.order.map((_, position) => Math.max(2, ...model.trains.map(({ modes }) => modes[position])));
+  const T = by.along.map((one, k) => chebyshev(one, Math.max(counts[model.order.indexOf(k)], model.factors?.[k].decay.length ?? 0)));
+  const mean = Float64Array.from(model.trains, (train, p) => by.told(contract(train, model.order, T), p));
+  return { process: model, along: by.along, T, mean, size: (p) => by.size(mean[p], p) };
 }
 
 // Why a point has no answer: the reason of the nearest known case that is refused; empty where it has one.
@@ -169,7 +143,8 @@ function means(model, t) {
 
 // Means, standard deviations and ends of the intervals of all outputs at scaled coordinates t, one an input.
 function predict(model, t) {
-  const { process, along, parts, mean: smooth, size } = learnt(model, t), count = model.outputs.length;
+  const { process, along, T, mean: smooth, size } = learnt(model, t), count = model.outputs.length;
+  const parts = process.factors.map((factor, k) => features(factor, T[k]));
   const { mean, spread } = model.curves ? followed(model.curves, smooth) : { mean: smooth, spread: null };
   const terms = trendTerms(model.calibration, spread ? t : along);
   const std = mean.map((_, p) => {
@@ -189,8 +164,12 @@ function predict(model, t) {
       ? guarded(c.outer_guard, c.outer_corner_guard, c.outer_pooled_guard, t, p, count) : 0;
     return calibrated(model, along, terms, p, unknown) * size(p) * Math.exp(outer);
   });
-  const ends = (away) => mean.map((one, p) => one + away.data[p] * std[p]);
-  return { mean, std, lower: ends(model.interval.lower), upper: ends(model.interval.upper) };
+  const { lower, upper, rooms } = model.interval; // wider by the largest error of the rounding
+  return {
+    mean, std,
+    lower: mean.map((one, p) => one + lower[p] * std[p] - rooms[p]),
+    upper: mean.map((one, p) => one + upper[p] * std[p] + rooms[p]),
+  };
 }
 
 // Below the square root of the square root of the smallest double a standard deviation is rounding, as of what is 0 always.

@@ -1,0 +1,424 @@
+"""Contact of a punch with a surface in space: window, refinement to an error, and the contact's fields and loads."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+
+from solver.arrays import Array, BoolArray, is_finite
+from solver.material.constants import VACUUM_PERMITTIVITY
+from solver.surface.newton import Grid, Linearised, Loading, State, System, converged
+from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
+from solver.surface.shape import Map, Shape
+
+Field = TypeVar("Field", Array, BoolArray)
+
+_COARSE = 32  # cells a side of the first grid
+_FINEST = 1024  # cells a side that may be asked for
+_REFINED = 256  # cells a side where refinement ends, with the error that is reached
+_MOST_CELLS = 2**20  # 1 GB of spectra and Krylov vectors
+_FILLED = 0.72  # share of the window's lengths that the contact takes
+_LOOSE = 0.45  # share below which the window is narrowed
+_WINDOWS = 40  # windows that are tried
+_SLENDER = 8.0  # largest ratio of the lengths of a cell
+_ACCURACY = 1e-2  # residual over the asked error
+_TANGENT = 1e-2  # residual of tangents over the asked error
+_SECANT = 0.08  # change of the load for the stiffness: a fortieth of the contact's width, several cells
+_ROUNDING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
+# difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
+# like the cell to the power 3/2
+_SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 1.0, "voltage": 1.0}
+_LEAST_SPACINGS = 4  # points of a height map across a contact
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceContact:
+    """A contact: fields on a grid of cells, loads and tangents, SI."""
+
+    x: Array  # Middles of the cells [m]; (x,)
+    y: Array  # [m]; (y,)
+    pressure: Array  # -s_zz [Pa]; (x, y)
+    electric_displacement: Array  # D_z [C/m2]; (x, y)
+    gap: Array  # Between punch and deformed surface [m]; (x, y)
+    weight: Array  # Share of each cell that is in contact; (x, y)
+    depth: float  # [m]
+    voltage: float  # Potential of the punch [V]
+    force: Array  # Of the punch on the body, positive into the body, and friction along x and y [N]; (3,): x, y, normal
+    charge: float  # Of the punch [C]
+    tangent: Array  # d(force, charge)/d(depth, voltage); (2, 2)
+    fixed_capacitance: float  # d charge/d voltage at a fixed contact [F]
+    errors: dict[str, float] = field(default_factory=dict)  # Relative, estimated from two grids
+    permittivity: float | None = None  # Of the air beside the contact [F/m]
+    companions: dict[str, "SurfaceContact"] = field(default_factory=dict)  # Of the same force: grounded, uncharged
+
+    @property
+    def error(self) -> float:
+        """Largest estimated relative error of force or depth, and charge or voltage."""
+        return max(self.errors.values(), default=np.nan)
+
+    @property
+    def cell(self) -> float:
+        """Area of a cell [m2]."""
+        return float((self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
+
+    @cached_property
+    def moments(self) -> Array:
+        """Moments of pressure about x and y, and of friction about z, through the punch's origin [N m]; (3,)."""
+        p = self.pressure * self.cell
+        along = self.force[:2] / max(self.force[2], np.finfo(float).tiny)
+        x, y = self.x[:, None], self.y
+        return np.array([-np.sum(p * y), np.sum(p * x), np.sum(p * (x * along[1] - y * along[0]))])
+
+    @property
+    def area(self) -> float:
+        """Area of the contact [m2]."""
+        return float(np.sum(self.weight) * self.cell)
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """Lengths of the contact along x and y [m]."""
+        spans = [np.max(self.weight, axis=axis) for axis in (1, 0)]
+        steps = (float(self.x[1] - self.x[0]), float(self.y[1] - self.y[0]))
+        return tuple(_span(s) * step for s, step in zip(spans, steps, strict=True))  # type: ignore[return-value]
+
+    @property
+    def peak_pressure(self) -> float:
+        """Largest pressure [Pa]."""
+        return float(np.max(self.pressure))
+
+
+def _span(shares: Array) -> float:
+    """Distance between the ends of the covered part of a line of cells, in cells."""
+    covered = np.flatnonzero(shares > 0)
+    if covered.size == 0:
+        return 0.0
+    first, last = int(covered[0]), int(covered[-1])
+    return last - first - 1 + float(shares[first] + shares[last]) if last > first else float(shares[first])
+
+
+def solve_contact(
+    body: SurfaceBody, shape: Shape, *, force: float | None = None, depth: float | None = None,
+    voltage: float = 0.0, charge: float | None = None, friction: float = 0.0, direction: float = 0.0,
+    air: float | None = 1.0, end: float = np.inf, punch: tuple[float, float] | None = None,
+    error: float = 1e-3, cells: int | None = None, companions: bool = False,
+) -> SurfaceContact:  # fmt: skip
+    """Contact of a punch with a body under a force or at a depth, at a voltage or with a charge.
+
+    The grid is refined until the estimated error of the loads is below ``error``; ``cells`` a side fixes the grid.
+    ``companions`` are the contacts of the same force without charge and at zero voltage, which quantities need.
+    """
+    _check({
+        "force": force, "depth": depth, "voltage": voltage, "charge": charge, "friction": friction,
+        "direction": direction, "air": air, "error": error, "cells": cells,
+    })  # fmt: skip
+    if air is None and not body.isotropic:
+        raise SurfaceError("surroundings: insulated is allowed for bodies isotropic about the normal only; air")
+    permittivity = None if air is None else air * VACUUM_PERMITTIVITY
+    loading = Loading(force, depth, charge, voltage, friction, direction, permittivity, end)
+    problem = _Problem(body, None if punch is None else isotropic_half_space(*punch), shape, loading)
+    return problem.refined(error, cells, companions)
+
+
+_RULES: dict[str, tuple[str, float, float]] = {  # allowed values, and their open ends
+    "force": ("> 0 [N]", 0.0, np.inf),
+    "depth": ("> 0 [m]", 0.0, np.inf),
+    "voltage": ("[V]", -np.inf, np.inf),
+    "charge": ("[C]", -np.inf, np.inf),
+    "friction": ("from 0 to 2", -1e-300, 2.0),
+    "direction": ("[rad]", -np.inf, np.inf),
+    "air": ("> 0: the relative permittivity", 0.0, np.inf),
+    "error": ("from 1e-6 to 0.1", 0.99e-6, 0.101),
+    "cells": (f"from 16 to {_FINEST}", 15.0, _FINEST + 1.0),
+}
+
+
+def _check(values: Mapping[str, float | None]) -> None:
+    for name, (allowed, low, high) in _RULES.items():
+        value = values[name]
+        if value is not None and not (is_finite(value) and low < float(value) < high):
+            raise SurfaceError(f"{name}: {value!r} is not allowed; a finite number {allowed}")
+    if (values["force"] is None) == (values["depth"] is None):
+        raise SurfaceError("force, depth: exactly one of them is needed")
+
+
+def isotropic_half_space(modulus: float, poisson: float) -> SurfaceBody:
+    """Half-space of an isotropic dielectric [Pa, 1]."""
+    if not (is_finite(modulus) and modulus > 0 and is_finite(poisson) and -1 < poisson < 0.5):
+        raise SurfaceError(f"punch: modulus {modulus!r}, poisson {poisson!r}; a modulus > 0 and -1 < poisson < 0.5")
+    shear = modulus / 2 / (1 + poisson)
+    lame = 2 * shear * poisson / (1 - 2 * poisson)
+    one = np.eye(3)
+    E = np.zeros((3, 4, 4, 3))
+    E[:, :3, :3] = (
+        lame * np.einsum("ij,kl->ijkl", one, one)
+        + shear * (np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one))
+    )  # fmt: skip
+    E[:, PHI, PHI] = -VACUUM_PERMITTIVITY * one
+    return SurfaceBody((), E)
+
+
+@dataclass(frozen=True)
+class _Window:
+    """Rectangle of cells [m]."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        return self.high[0] - self.low[0], self.high[1] - self.low[1]
+
+    def counts(self, cells: int) -> tuple[int, int]:
+        """Cells along x and y; more along a slender window, of cells that are not too slender."""
+        ratio = self.lengths[1] / self.lengths[0]
+        more = max(ratio, 1 / ratio) / _SLENDER
+        longer = cells * 2 ** max(int(np.ceil(np.log2(more))), 0)
+        return (cells, longer) if ratio >= 1 else (longer, cells)
+
+
+class _Problem:
+    """A punch on a body under a load: the window and the grids."""
+
+    def __init__(self, body: SurfaceBody, punch: SurfaceBody | None, shape: Shape, loading: Loading) -> None:
+        self.body, self.punch, self.shape, self.loading = body, punch, shape, loading
+
+    def refined(self, error: float, cells: int | None, companions: bool) -> SurfaceContact:
+        """Contact on the grid that meets the error, with its companions of the same force."""
+        window, state, grid = self._located(error)
+        loadings = self._loadings(companions)
+        count, before, least = _COARSE, dict[str, float](), self._least_cells(window)
+        while True:
+            count = min(2 * count, cells) if cells else 2 * count
+            shape = window.counts(count)
+            if shape[0] * shape[1] > _MOST_CELLS:
+                raise SurfaceError(f"error: {error:g} needs more than {_MOST_CELLS} cells")
+            grid, state = self._moved(grid, state, window, count)
+            system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth)
+            solved = _solved(system, state, loadings, 1.0, error)
+            state = solved["grounded"].state
+            loads = {name: load for linear in solved.values() for name, load in _loads(linear).items()}
+            errors = _errors(before, loads)
+            before = loads
+            is_fine = count >= least and (count >= _REFINED or (errors and max(errors.values()) <= error))
+            if count == cells or (cells is None and is_fine):
+                factors = (1 - _SECANT, 1 + _SECANT) if companions else ()
+                ends = [_solved(system, state, loadings, factor, error) for factor in factors]
+                contacts = {
+                    name: _contact(linear, solved["grounded"], errors, error, [end[name] for end in ends])
+                    for name, linear in solved.items()
+                }
+                main = contacts.pop("charged", contacts["grounded"])
+                return replace(main, companions=contacts) if companions else main
+
+    def _least_cells(self, window: _Window) -> int:
+        """Cells a side that resolve the points of a height map, within bounds."""
+        if not isinstance(self.shape, Map):
+            return 0
+        points = max(length / spacing for length, spacing in zip(window.lengths, self.shape.spacing, strict=True))
+        return min(int(points / 2), _FINEST // 2)
+
+    @property
+    def grounded(self) -> Loading:
+        """The load at zero voltage, from whose contact others are sought: its gap closes smoothly at the edge."""
+        return replace(self.loading, charge=None, voltage=0.0)
+
+    def _loadings(self, companions: bool) -> dict[str, Loading]:
+        """Loads besides that at zero voltage."""
+        loadings = {}
+        if self.loading.charge is not None or self.loading.voltage:
+            loadings["charged"] = self.loading
+        if companions and self.loading.charge != 0:
+            loadings["uncharged"] = replace(self.loading, charge=0.0)
+        return loadings
+
+    def _located(self, error: float) -> tuple[_Window, State, Grid]:
+        """Window that the contact fills well, with the contact on a coarse grid."""
+        window, grid, state = self._first_window(), None, None
+        for _ in range(_WINDOWS):
+            grid, state = self._moved(grid, state, window, _COARSE)
+            system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth)
+            state, _ = converged(system, state, max(error, 1e-3))
+            low, high, touches = self._extent(grid, state)
+            lengths = np.subtract(high, low)
+            share = lengths / window.lengths
+            if (not np.any(touches) and np.all(share >= _LOOSE)) or self._is_whole(window):
+                break
+            middle, half = np.add(high, low) / 2, lengths / 2
+            half = np.where(touches, 2 * half, np.maximum(half, 1.5 * np.array(grid.size)))
+            window = self._around(middle, half)
+        else:
+            raise SurfaceError("contact: leaves every window that was tried")
+        assert grid is not None
+        assert state is not None
+        self._require_resolved(low, high)
+        if not np.any(touches):
+            window = self._around(np.add(high, low) / 2, lengths / 2)
+        return window, state, grid
+
+    def _around(self, middle: Array, half: Array) -> _Window:
+        """Window that a contact of these half lengths fills as asked, within the punch."""
+        ends = np.array(self.shape.half_extent)
+        half = half / _FILLED
+        low, high = np.maximum(middle - half, -ends), np.minimum(middle + half, ends)
+        return _Window((float(low[0]), float(low[1])), (float(high[0]), float(high[1])))
+
+    def _is_whole(self, window: _Window) -> bool:
+        ends = np.array(self.shape.half_extent)
+        return bool(np.all(np.array(window.high) >= ends) and np.all(np.array(window.low) <= -ends))
+
+    def _require_resolved(self, low: Array, high: Array) -> None:
+        """Refuse a height map that the contact leaves, or whose points are as far apart as the contact is wide."""
+        if not isinstance(self.shape, Map):
+            return
+        spacing, ends = np.array(self.shape.spacing), np.array(self.shape.half_extent)
+        if np.any(np.maximum(np.abs(low), np.abs(high)) > ends - spacing):
+            raise SurfaceError("heights: the contact reaches the edge of the map; a larger map or a smaller load")
+        if np.any(high - low < _LEAST_SPACINGS * spacing):
+            raise SurfaceError(
+                f"spacing: {max(spacing):g} m of the height map is too wide for a contact of {min(high - low):g} m"
+            )
+
+    def _first_window(self) -> _Window:
+        """Square whose half length is that of a round contact of the same load."""
+        angles = np.linspace(0, 2 * np.pi, 16, endpoint=False)
+        ends = np.array(self.shape.half_extent)
+        low, high = -30.0, 10.0  # log of the half length in m
+        for _ in range(60):
+            middle = (low + high) / 2
+            a = np.exp(middle)
+            x, y = a * np.cos(angles), a * np.sin(angles)
+            heights = self.shape.gap(np.clip(x, -ends[0], ends[0]), np.clip(y, -ends[1], ends[1]))
+            height = float(np.mean(heights[np.isfinite(heights)])) if np.any(np.isfinite(heights)) else 0.0
+            Y = self.body.multiplier(np.array([1 / a]), np.array([0.0]))[0, 0]
+            depth = height if self.loading.depth is None else self.loading.depth
+            load = 2 * a * height / float(Y[NORMAL, NORMAL].real)
+            enough = height >= depth if self.loading.force is None else load >= self.loading.force
+            low, high = (low, middle) if enough else (middle, high)
+        half = np.minimum(np.exp(high), ends)
+        return self._around(np.zeros(2), np.where(np.isfinite(half), half, np.exp(high)))
+
+    def _extent(self, grid: Grid, state: State) -> tuple[Array, Array, BoolArray]:
+        """Lowest and highest position of the contact, and whether the contact touches the window along x and y."""
+        low, high, touches = np.empty(2), np.empty(2), np.zeros(2, dtype=bool)
+        for axis, middles in enumerate((grid.x, grid.y)):
+            covered = np.flatnonzero(np.any(_on(grid, state.pressed), axis=1 - axis))
+            half, end = grid.size[axis] / 2, self.shape.half_extent[axis]
+            low[axis], high[axis] = middles[covered[0]] - half, middles[covered[-1]] + half
+            beyond = low[axis] > -end * (1 - 1e-9) and covered[0] == 0
+            above = high[axis] < end * (1 - 1e-9) and covered[-1] == middles.size - 1
+            touches[axis] = beyond or above
+        return low, high, touches
+
+    def _moved(self, old: Grid | None, state: State | None, window: _Window, cells: int) -> tuple[Grid, State]:
+        """Grid on a window and the start on it."""
+        counts = window.counts(cells)
+        x, y = (
+            low + (np.arange(n) + 0.5) * (high - low) / n
+            for low, high, n in zip(window.low, window.high, counts, strict=True)
+        )
+        height, cover = self.shape.on_cells(x, y)
+        grid = Grid(x, y, height, cover)
+        if not np.any(np.isfinite(height)):
+            raise SurfaceError("shape: no part of the punch lies over the window")
+        if old is None or state is None:
+            depth = self.loading.depth or float(np.quantile(height[np.isfinite(height)], 0.3))
+            pressed = height <= max(depth / 2, float(np.min(height)))
+            zero = np.zeros(height.size)
+            pressed = pressed.ravel()
+            return grid, State(np.where(pressed, np.finfo(float).tiny, 0.0), zero, pressed, depth, 0.0)
+        places = np.stack(np.broadcast_arrays(((x - old.x[0]) / old.size[0])[:, None], (y - old.y[0]) / old.size[1]))
+        read = [map_coordinates(_on(old, v), places, order=1, mode="nearest") for v in (state.pressure, state.charge)]
+        inside = map_coordinates(_on(old, state.pressed).astype(float), places, order=1, mode="constant") > 0.5
+        finite = np.isfinite(height)
+        pressed = inside & finite & (read[0] > 0)
+        size = np.sqrt(grid.area / old.area)  # scaled tractions are proportional to the cell's length
+        pressure = np.where(pressed, read[0] * size, 0.0)
+        charge = np.where(finite if self.loading.permittivity is not None else pressed, read[1] * size, 0.0)
+        around = state.charge[old.height.size :] * size  # levels around a window stay
+        charges = np.concatenate([charge.ravel(), around])
+        return grid, State(pressure.ravel(), charges, pressed.ravel(), state.depth, state.potential)
+
+
+def _loads(linear: Linearised) -> dict[str, float]:
+    """Loads whose error is estimated: what is not prescribed, without the rounding of a body that does not couple."""
+    force, charge = linear.loads
+    loading, per_volt = linear.system.loading, linear.system.per_volt
+    mechanical = {"depth": linear.state.depth} if loading.force is not None else {"force": force}
+    if loading.charge is not None:
+        coupled = abs(linear.state.potential) > _ROUNDING * linear.state.depth
+        return mechanical | ({"voltage": linear.state.potential / per_volt} if coupled else {})
+    return mechanical | ({"charge": charge} if abs(charge) > _ROUNDING * force * per_volt else {})
+
+
+def _contact(
+    linear: Linearised, grounded: Linearised, errors: dict[str, float], error: float, ends: Sequence[Linearised]
+) -> SurfaceContact:
+    """Fields and loads of a converged state."""
+    system, state = linear.system, linear.state
+    grid, loading = system.grid, system.loading
+    normal, charge = linear.loads
+    tangent, fixed = linear.tangent(_TANGENT * error)
+    if ends:
+        tangent = _with_secant(tangent, *ends)
+    changed = _on(grid, state.pressed).astype(float) - _on(grid, grounded.state.pressed)
+    weight = np.clip(grounded.share + changed * grid.cover, 0, 1)
+    along = loading.friction * np.array([np.cos(loading.direction), np.sin(loading.direction)])
+    return SurfaceContact(
+        x=grid.x, y=grid.y,
+        pressure=_on(grid, state.pressure) / system.compliance,
+        electric_displacement=_on(grid, state.charge) / (system.elastance * system.per_volt),
+        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=weight,
+        depth=state.depth, voltage=state.potential / system.per_volt,
+        force=np.append(along * normal, normal), charge=float(charge) if loading.charge is None else loading.charge,
+        tangent=tangent,
+        fixed_capacitance=fixed, errors=errors, permittivity=loading.permittivity,
+    )  # fmt: skip
+
+
+def _solved(
+    system: System, state: State, loadings: Mapping[str, Loading], factor: float, error: float
+) -> dict[str, Linearised]:
+    """Contacts at zero voltage and under other loads, with force or depth multiplied by a factor."""
+    grounded = converged(system.under(_multiplied(system.loading, factor)), state, _ACCURACY * error)[1]
+    return {"grounded": grounded} | {
+        name: converged(system.under(_multiplied(loading, factor)), grounded.state, _ACCURACY * error)[1]
+        for name, loading in loadings.items()
+    }
+
+
+def _multiplied(loading: Loading, factor: float) -> Loading:
+    """Loading with its force or depth multiplied by a factor."""
+    force, depth = (None if v is None else factor * v for v in (loading.force, loading.depth))
+    return replace(loading, force=force, depth=depth)
+
+
+def _with_secant(tangent: Array, low: Linearised, high: Linearised) -> Array:
+    """Tangent whose direction of loading is a secant between contacts of a lower and a higher load; (2, 2).
+
+    Cells change sides as the load grows. Where charge is dense at the edge they take it along, which no tangent sees.
+    """
+    per_volt = low.system.per_volt
+    ends = [[end.state.depth, end.state.potential / per_volt, *end.loads] for end in (low, high)]
+    depth, voltage, force, charge = np.subtract(ends[1], ends[0])
+    stroke = -tangent[0, 1] / tangent[0, 0]  # at fixed force
+    capacitance = tangent[1, 1] + tangent[1, 0] * stroke
+    causes, loads = np.array([[depth, stroke], [voltage, 1.0]]), np.array([[force, 0.0], [charge, capacitance]])
+    return np.asarray(loads @ np.linalg.inv(causes))
+
+
+def _on(grid: Grid, values: Field) -> Field:
+    """Part of an array over all cells that belongs to the grid; (x, y)."""
+    part: Field = values[: grid.height.size].reshape(grid.shape)
+    return part
+
+
+def _errors(coarse: dict[str, float], fine: dict[str, float]) -> dict[str, float]:
+    """Relative errors on the finer of two grids: of charges, at single cells of the edge, their whole difference."""
+    return {
+        name: float(abs(value - coarse[name]) / _SHARE_LEFT[name] / max(abs(value), np.finfo(float).tiny))
+        for name, value in fine.items()
+        if name in coarse
+    }

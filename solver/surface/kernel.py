@@ -1,0 +1,292 @@
+"""Influence of cells of constant traction on the surface of an infinite body, and its products by FFT.
+
+The displacement I at r by a unit traction J is ``H(phi)/r + D(r, phi)``: the half-space of the top, whose harmonics of
+the direction have ``int_0^inf J_n(kr) dk = 1/r``, and the layers' smooth contribution. H/r is homogeneous of degree -1,
+so that its integral over a cell is one over the cell's edges; it scales with the length of the cell.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.fft
+from scipy.ndimage import map_coordinates, spline_filter
+from scipy.special import jv
+
+from approximation.arrays import Indices
+from solver.arrays import Array, BoolArray, ComplexArray
+from solver.cache import cached
+from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
+
+#: Component pairs (displacement, traction) of contacts without friction, and those that friction adds.
+NORMAL_PAIRS = ((NORMAL, NORMAL), (NORMAL, PHI), (PHI, PHI))
+SLIDING_PAIRS = ((NORMAL, 0), (NORMAL, 1), (PHI, 0), (PHI, 1))
+Pairs = tuple[tuple[int, int], ...]
+
+WORKERS = 2  # threads of an FFT
+_NEAR = 8  # cells around the loaded one that take the fine rules
+_EDGE_NODES, _FAR_EDGE_NODES = 24, 3  # of an edge, in asinh of its position
+_ANGLES = 512  # of the table of H
+_DECAYED = 36.0  # exponent at the largest wavenumber: e^-36 is below rounding
+_PHASE = 40.0  # of a panel in k at the largest distance
+_PANEL_NODES = 20
+_SPACING = 0.05  # of the table of D, in asinh(r / (2 decay h))
+_WIDEST = 400.0  # largest distance over the thickness of the top layer
+_MARGIN = 12  # rows and columns around the table, for its spline
+
+
+def half_space_table(body: SurfaceBody, pairs: Pairs) -> Array:
+    """H at equally spaced angles over a full turn; (pair, angle)."""
+    count = body.directions
+    theta = 2 * np.pi * np.arange(count) / count
+    Y = body.response(np.array([np.inf]), theta)[0]
+    harmonics = np.fft.fft(np.stack([Y[:, i, j] for i, j in pairs]), axis=1) / count
+    n = np.fft.fftfreq(count, 1 / count)
+    turned = harmonics * 1j ** np.abs(n) / (2 * np.pi)
+    wide = np.zeros((len(pairs), _ANGLES), np.complex128)
+    wide[:, n.astype(int) % _ANGLES] = turned
+    return np.asarray(np.fft.ifft(wide, axis=1).real * _ANGLES)
+
+
+@cached
+def _half_space_cells(body: SurfaceBody, pairs: Pairs, nx: int, ny: int, aspect: float) -> Array:
+    """Integrals of H/r over cells of size (1, aspect) at offsets -n..n; (pair, 2 nx + 1, 2 ny + 1)."""
+    table = half_space_table(body, pairs)
+    x, y = np.arange(-nx, nx + 1.0), np.arange(-ny, ny + 1.0) * aspect
+    x_edges, y_edges = np.append(x - 0.5, nx + 0.5), np.append(y - aspect / 2, (ny + 0.5) * aspect)
+    vertical = _edges(table, x_edges, y_edges, False)
+    horizontal = _edges(table, y_edges, x_edges, True).swapaxes(1, 2)
+    return np.asarray(np.diff(vertical, axis=1) + np.diff(horizontal, axis=2))
+
+
+def _edges(table: Array, across: Array, along: Array, swapped: bool) -> Array:
+    """Integral of X H/r over edges at the distance X, between neighbours of ``along``; (pair, across, along - 1)."""
+    result = np.empty((len(table), across.size, along.size - 1))
+    middle = (across.size // 2, (along.size - 1) // 2)
+    constant = np.ptp(table, axis=1) <= 1e-12 * np.max(np.abs(table), axis=1)
+    rows = max(1, 2**18 // along.size)
+    for first in range(0, across.size, rows):
+        part = slice(first, first + rows)
+        X = across[part, None]
+        result[:, part] = _edge_integrals(table, constant, X, along[:-1], along[1:], _FAR_EDGE_NODES, swapped)
+    near = [slice(max(m - _NEAR, 0), m + _NEAR + 1) for m in middle]
+    ends = along[near[1].start : near[1].stop + 1]
+    result[:, near[0], near[1]] = _edge_integrals(
+        table, constant, across[near[0], None], ends[:-1], ends[1:], _EDGE_NODES, swapped
+    )
+    return result
+
+
+def _edge_integrals(
+    table: Array, constant: BoolArray, X: Array, start: Array, end: Array, count: int, swapped: bool
+) -> Array:
+    """Gauss rule in s of Y = X sinh s; (pair, X, edge)."""
+    low, high = np.arcsinh(start / np.abs(X)), np.arcsinh(end / np.abs(X))
+    half, middle = (high - low) / 2, (high + low) / 2
+    result = np.zeros((len(table), *half.shape))
+    result[constant] = table[constant, 0, None, None] * 2 * half
+    varying = np.flatnonzero(~constant)
+    if varying.size:
+        nodes, weights = np.polynomial.legendre.leggauss(count)
+        for node, weight in zip(nodes, weights, strict=True):
+            y, x = np.abs(X) * np.sinh(middle + half * node), np.broadcast_to(X, half.shape)
+            angle = np.arctan2(x, y) if swapped else np.arctan2(y, x)
+            place = (angle * (_ANGLES / (2 * np.pi))).ravel()
+            for pair in varying:
+                values = map_coordinates(table[pair], place[None], order=5, mode="grid-wrap")
+                result[pair] += weight * half * values.reshape(half.shape)
+    return np.asarray(X * result)
+
+
+@dataclass(frozen=True, eq=False)
+class _LayerTable:
+    """D over asinh(r / width) and the angle, with margins for the spline."""
+
+    values: Array  # (pair, r, angle)
+    width: float  # [m]
+    angles: int  # Number of angles over a full turn
+
+    def at(self, x: Array, y: Array) -> Array:
+        """D at positions [m]; (pair, ...)."""
+        r, angle = np.hypot(x, y), np.arctan2(y, x)
+        places = np.stack([
+            np.arcsinh(r / self.width).ravel() / _SPACING + _MARGIN,
+            (angle % (2 * np.pi)).ravel() * (self.angles / (2 * np.pi)) + _MARGIN,
+        ])  # fmt: skip
+        values = [map_coordinates(v, places, order=5, mode="nearest", prefilter=False) for v in self.values]
+        return np.stack(values).reshape(len(self.values), *x.shape)
+
+
+@cached
+def _layer_table(body: SurfaceBody, pairs: Pairs, reach: float) -> _LayerTable:
+    """Table of D up to the distance ``reach`` [m]."""
+    thickness, count = body.thickness, body.directions
+    width = 2 * body.decay * thickness
+    k, weights = _wavenumbers(body, reach)
+    half = count // 2
+    theta = 2 * np.pi * np.arange(half) / count
+    added = np.empty((len(pairs), k.size, count), np.complex128)
+    for first in range(0, k.size, 200):  # bounds the memory
+        part = slice(first, first + 200)
+        Y = body.response(k[part], theta)[1]
+        for number, (i, j) in enumerate(pairs):
+            added[number, part, :half], added[number, part, half:] = Y[:, :, i, j], np.conj(Y[:, :, i, j])
+    harmonics = np.fft.fft(added, axis=-1) * weights[:, None] / count
+    last = int(np.arcsinh(reach / width) / _SPACING) + 2 + _MARGIN
+    r = width * np.sinh(_SPACING * np.arange(last + 1))
+    radial = np.zeros((len(pairs), r.size, count), np.complex128)
+    for n, bessel in _bessel(count // 2 - 1, np.outer(r, k)):
+        for place in {n, -n % count}:
+            radial[:, :, place] = np.einsum("rk,pk->pr", bessel, harmonics[:, :, place]) * 1j**n / (2 * np.pi)
+    angles = max(2 * count, 16)
+    wide = np.zeros((len(pairs), r.size, angles), np.complex128)
+    n_all = np.fft.fftfreq(count, 1 / count).astype(int)
+    wide[:, :, n_all % angles] = radial
+    values = np.fft.ifft(wide, axis=-1).real * angles
+    # a negative distance is the opposite angle
+    mirrored = np.roll(values[:, _MARGIN:0:-1], angles // 2, axis=-1)
+    values = np.concatenate([mirrored, values], axis=1)
+    values = np.concatenate([values[..., -_MARGIN:], values, values[..., : _MARGIN + 1]], axis=-1)
+    return _LayerTable(np.stack([spline_filter(v, order=5, mode="mirror") for v in values]), width, angles)
+
+
+def _wavenumbers(body: SurfaceBody, reach: float) -> tuple[Array, Array]:
+    """Nodes and weights in k; panels grow from the smallest structure of the response."""
+    end = _DECAYED / (2 * body.decay * body.thickness)
+    total = sum(layer.thickness for layer in body.layers)
+    bodies = [np.abs(np.einsum("iJJi->J", E))[: PHI + 1] for E in body.stiffnesses]
+    contrast = float(np.min(np.min(bodies, axis=0) / np.max(bodies, axis=0)))
+    ends = [0.0, 0.05 * contrast / total]
+    while ends[-1] < end:
+        ends.append(ends[-1] * 2.0)
+    ends[-1] = end
+    nodes, weights = np.polynomial.legendre.leggauss(_PANEL_NODES)
+    k, w = [], []
+    for start, stop in pairwise(ends):
+        parts = int(np.ceil((stop - start) * reach / _PHASE)) or 1
+        half = (stop - start) / parts / 2
+        middles = start + half * (2 * np.arange(parts) + 1)
+        k.append((middles[:, None] + half * nodes).ravel())
+        w.append(np.tile(half * weights, parts))
+    return np.concatenate(k), np.concatenate(w)
+
+
+def _bessel(highest: int, x: Array) -> list[tuple[int, Array]]:
+    """J_n(x) for n from the highest down, by the stable downward recurrence; pairs of n and (r, k)."""
+    upper, value = jv(highest + 1, x), jv(highest, x)
+    result = [(highest, value)]
+    inverse = 2 / np.where(x == 0, 1.0, x)
+    for n in range(highest, 0, -1):
+        upper, value = value, np.where(x == 0, float(n == 1), n * inverse * value - upper)
+        result.append((n - 1, value))
+    return result
+
+
+def _layer_cells(body: SurfaceBody, pairs: Pairs, nx: int, ny: int, dx: float, dy: float) -> Array:
+    """Integrals of D over cells at offsets -n..n; (pair, 2 nx + 1, 2 ny + 1) [m2 times D]."""
+    farthest = np.hypot((nx + 3) * dx, (ny + 3) * dy) / body.thickness
+    if farthest > _WIDEST:
+        raise SurfaceError(
+            f"thickness: {body.thickness:g} m of the top layer is below 1/{_WIDEST:g} of the surface that is solved"
+        )
+    table = _layer_table(body, pairs, body.thickness * 2.0 ** max(np.ceil(np.log2(farthest)), -3))
+    x, y = np.arange(-nx - 2, nx + 3) * dx, np.arange(-ny - 2, ny + 3) * dy
+    points = np.empty((len(pairs), x.size, y.size))
+    for first in range(0, x.size, max(1, 2**18 // y.size)):  # bounds the memory
+        part = slice(first, first + max(1, 2**18 // y.size))
+        points[:, part] = table.at(*np.broadcast_arrays(x[part, None], y))
+    mean = _cell_mean(_cell_mean(points, 1), 2)
+    near_x, near_y = min(_NEAR, nx), min(_NEAR, ny)
+    count = 4 + min(int(6 * max(dx, dy) / table.width), 28)
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    fine_x = (np.arange(-near_x, near_x + 1)[:, None] + nodes / 2).ravel() * dx
+    fine_y = (np.arange(-near_y, near_y + 1)[:, None] + nodes / 2).ravel() * dy
+    values = table.at(*np.broadcast_arrays(fine_x[:, None], fine_y))
+    values = values.reshape(len(pairs), 2 * near_x + 1, count, 2 * near_y + 1, count)
+    near = np.einsum("pxayb,a,b->pxy", values, weights / 2, weights / 2)
+    mean[:, nx - near_x : nx + near_x + 1, ny - near_y : ny + near_y + 1] = near
+    return np.asarray(mean * dx * dy)
+
+
+def _cell_mean(values: Array, axis: int) -> Array:
+    """Means over cells from values at their middles, by central differences to the sixth order; two cells shorter."""
+    v = np.moveaxis(values, axis, 0)
+    second = v[3:-1] - 2 * v[2:-2] + v[1:-3]
+    fourth = v[4:] - 4 * v[3:-1] + 6 * v[2:-2] - 4 * v[1:-3] + v[:-4]
+    return np.moveaxis(v[2:-2] + second / 24 - 17 / 5760 * fourth, 0, axis)
+
+
+@dataclass(frozen=True, eq=False)
+class Kernel:
+    """Spectra of the influence of cells on a grid, padded so that no image counts."""
+
+    shape: tuple[int, int]  # Cells of the grid
+    padded: tuple[int, int]
+    spectra: dict[tuple[int, int], Array | ComplexArray]  # By component pair
+    circulant: dict[tuple[int, int], Array | ComplexArray]  # Of the nearest periodic operators on the grid itself
+    influence: dict[int, float]  # Displacement or potential at the middle of a cell by its unit traction or charge
+
+    def transformed(self, tractions: Array) -> ComplexArray:
+        """Spectrum of cell tractions; (padded x, padded y // 2 + 1)."""
+        rows = scipy.fft.rfft(tractions, self.padded[1], axis=1, workers=WORKERS)
+        return np.asarray(scipy.fft.fft(rows, self.padded[0], axis=0, workers=WORKERS))
+
+    def back(self, spectrum: ComplexArray) -> Array:
+        """Values on the grid of a spectrum; (x, y)."""
+        nx, ny = self.shape
+        rows = scipy.fft.ifft(spectrum, axis=0, workers=WORKERS, overwrite_x=True)[:nx]
+        return np.asarray(scipy.fft.irfft(rows, self.padded[1], axis=1, workers=WORKERS)[:, :ny])
+
+
+@cached
+def kernel(
+    body: SurfaceBody, punch: SurfaceBody | None, pairs: Pairs, shape: tuple[int, int], dx: float, dy: float
+) -> Kernel:
+    """Kernel of a body, with the compliance of an elastic punch, on a grid of cells (dx, dy) [m]."""
+    nx, ny = shape
+    aspect = round(dy / dx, 12)
+    cells = dx * _half_space_cells(body.half_space, pairs, nx, ny, aspect)
+    if body.layers:
+        cells += _layer_cells(body, pairs, nx, ny, dx, dy)
+    if punch is not None:
+        elastic: Pairs = tuple(pair for pair in pairs if pair[0] == NORMAL and pair[1] != PHI)
+        added = dx * _half_space_cells(punch, elastic, nx, ny, aspect)
+        for pair, value in zip(elastic, added, strict=True):  # the punch is the mirror image of a body
+            cells[pairs.index(pair)] += value if pair[1] == NORMAL else -value
+    padded = (scipy.fft.next_fast_len(2 * nx - 1), scipy.fft.next_fast_len(2 * ny - 1, True))
+    spectra: dict[tuple[int, int], Array | ComplexArray] = {}
+    circulant: dict[tuple[int, int], Array | ComplexArray] = {}
+    for pair, value in zip(pairs, cells, strict=True):
+        spectra[pair] = _spectrum(_wrapped(value, shape, padded), pair)
+        if pair in NORMAL_PAIRS:
+            circulant[pair] = _spectrum(_nearest_periodic(value, shape), pair)
+    for table in (spectra, circulant):  # displacement I at -r by J is displacement J at r by I
+        table[PHI, NORMAL] = np.conj(table[NORMAL, PHI])
+    influence = {pair[0]: float(cells[pairs.index(pair)][nx, ny]) for pair in pairs if pair[0] == pair[1]}
+    return Kernel(shape, padded, spectra, circulant, influence)
+
+
+def _spectrum(cells: Array, pair: tuple[int, int]) -> Array | ComplexArray:
+    spectrum = scipy.fft.rfft2(cells, workers=WORKERS)
+    return spectrum.real.copy() if pair[0] == pair[1] else spectrum
+
+
+def _wrapped(cells: Array, shape: tuple[int, int], padded: tuple[int, int]) -> Array:
+    """Influence at offsets -(n - 1)..n - 1 in the order of a periodic grid; (padded)."""
+    (nx, ny), result = shape, np.zeros(padded)
+    rows, columns = _offsets(nx), _offsets(ny)
+    result[np.ix_(rows, columns)] = cells[np.ix_(rows + nx, columns + ny)]
+    return result
+
+
+def _offsets(n: int) -> Indices:
+    return np.arange(-(n - 1), n)
+
+
+def _nearest_periodic(cells: Array, shape: tuple[int, int]) -> Array:
+    """Cells of the circulant matrix nearest to the influence matrix (T. Chan 1988); (x, y)."""
+    values = cells
+    for axis, n in enumerate(shape):
+        v, share = np.moveaxis(values, axis, 0), np.arange(n)[:, None] / n
+        values = np.moveaxis((1 - share) * v[n : 2 * n] + share * v[:n], 0, axis)
+    return values

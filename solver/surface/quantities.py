@@ -1,0 +1,48 @@
+"""Quantities of contacts in space by their names; meanings are those of points.
+
+As at a point, ``voltage`` and what is per volt belong to the contact under its charge, ``voltage_per_force`` to the
+contact without charge and ``charge_per_force`` to that at zero voltage.
+"""
+
+from solver.surface.contact import SurfaceContact
+from solver.twoport import Stiffness
+
+
+def quantities(charged: SurfaceContact) -> dict[str, float]:
+    """Quantities of a contact, SI; those that need a companion only with it."""
+    uncharged = charged.companions.get("uncharged", charged if charged.charge == 0 else None)
+    grounded = charged.companions.get("grounded", charged if charged.voltage == 0 else None)
+    port = _port(charged)
+    lengths, moments = charged.lengths, charged.moments
+    out = {
+        "contact_area": charged.area,
+        "contact_length_x": lengths[0],
+        "contact_length_y": lengths[1],
+        "peak_pressure": charged.peak_pressure,
+        "depth": charged.depth,
+        "voltage": charged.voltage,
+        "charge": charged.charge,
+        "force": float(charged.force[2]),
+        "friction_force_x": float(charged.force[0]),
+        "friction_force_y": float(charged.force[1]),
+        "moment_x": float(moments[0]),
+        "moment_y": float(moments[1]),
+        "moment_z": float(moments[2]),
+        "contact_stiffness": float(port.closed),
+        "contact_stiffness_open": float(port.open),
+        "stroke_per_volt": float(port.stroke(1)),
+        "blocked_force_per_volt": float(port.blocked_force(1)),
+        "capacitance": charged.fixed_capacitance,
+        "capacitance_at_force": float(port.capacitance(1)),
+        "relative_error": charged.error,
+    }
+    if uncharged is not None:
+        out["voltage_per_force"] = float(_port(uncharged).potential_per_force(1))
+    if grounded is not None:
+        out["charge_per_force"] = float(grounded.charge / grounded.force[2])
+    return out
+
+
+def _port(contact: SurfaceContact) -> Stiffness:
+    """The contact as a two-port of depth and voltage."""
+    return Stiffness(contact.tangent * [[-1.0], [-1.0]] * [-1.0, 1.0])

@@ -1,0 +1,270 @@
+"""Shapes of punches: height of the undeformed punch above its lowest point."""
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.ndimage import map_coordinates, spline_filter
+from typing_extensions import override
+
+from solver.arrays import Array, is_finite
+from solver.surface.response import SurfaceError
+
+_SAMPLES = 8  # a side of a cell that the end of a punch cuts
+_LEAST_POINTS = 4  # a side of a height map: those of a cubic spline
+_MOST_POINTS = 4096  # a side of a height map: 134 MB
+_WAVES = 400  # of a rough surface: the root mean square of its heights in a contact then scatters as that of a real one
+_HURST = 0.8  # of polished and ground surfaces
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A punch whose lowest point lies over the origin."""
+
+    def __post_init__(self) -> None:
+        for name, allows_infinite, least in self.limits:
+            value = getattr(self, name)
+            if not ((is_finite(value) or (allows_infinite and value == np.inf)) and value > least):
+                raise SurfaceError(f"{name}: {value!r} is not allowed; a finite number > {least:g}")
+
+    @property
+    def limits(self) -> Sequence[tuple[str, bool, float]]:
+        """Name of each parameter, whether it may be infinite, and the bound that the parameter exceeds."""
+        return ()
+
+    @abstractmethod
+    def gap(self, x: Array, y: Array) -> Array:
+        """Height at positions [m]; infinite beside a punch that ends; broadcasts."""
+
+    @property
+    def half_extent(self) -> tuple[float, float]:
+        """Largest |x| and |y| of the punch [m]."""
+        return np.inf, np.inf
+
+    def on_cells(self, x: Array, y: Array) -> tuple[Array, Array]:
+        """Height at the middle of the covered part of cells [m], and the share that is covered; (x, y) each.
+
+        x, y: (x,) and (y,), equally spaced middles [m].
+        """
+        height = np.asarray(self.gap(x[:, None], y))
+        cover = np.isfinite(height).astype(float)
+        near = np.pad(cover, 1, mode="edge")
+        n, m = cover.shape
+        parts = [near[1 + i : 1 + i + n, 1 + j : 1 + j + m] for i in (-1, 0, 1) for j in (-1, 0, 1)]
+        rows, columns = np.nonzero(np.ptp(parts, axis=0) > 0)
+        if rows.size:
+            samples = (np.arange(_SAMPLES) + 0.5) / _SAMPLES - 0.5
+            fine_x = x[rows][:, None, None] + (samples * (x[1] - x[0]))[:, None]
+            fine_y = y[columns][:, None, None] + samples * (y[1] - y[0])
+            heights = self.gap(*np.broadcast_arrays(fine_x, fine_y))
+            inside = np.isfinite(heights)
+            share = np.mean(inside, axis=(1, 2))
+            cover[rows, columns] = share
+            total = np.sum(np.where(inside, heights, 0.0), axis=(1, 2))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                mean = np.where(share > 0, total / (share * _SAMPLES**2), np.inf)
+            height[rows, columns] = mean
+        return height, cover
+
+    @property
+    def sharp(self) -> bool:
+        """True if the contact ends at an edge of the punch, where the pressure is infinite."""
+        return False
+
+
+@dataclass(frozen=True, eq=False)
+class Ellipsoid(Shape):
+    """Paraboloid of two radii of curvature."""
+
+    radius_x: float  # [m]
+    radius_y: float  # [m]
+
+    @property
+    @override
+    def limits(self) -> Sequence[tuple[str, bool, float]]:
+        return ("radius_x", False, 0.0), ("radius_y", False, 0.0)
+
+    @override
+    def gap(self, x: Array, y: Array) -> Array:
+        return np.asarray(x**2 / (2 * self.radius_x) + y**2 / (2 * self.radius_y))
+
+
+def sphere(radius: float) -> Ellipsoid:
+    """Return the paraboloid of a sphere."""
+    if not (is_finite(radius) and float(radius) > 0):
+        raise SurfaceError(f"radius: {radius!r} is not allowed; a finite number > 0 [m]")
+    return Ellipsoid(radius, radius)
+
+
+@dataclass(frozen=True, eq=False)
+class RoughSphere(Shape):
+    """Sphere with random waves of all directions, whose amplitude rises as their wavelength to the power 0.8.
+
+    The heights are those of a self-affine surface of Hurst exponent 0.8, as of most polished surfaces (B.N.J.
+    Persson, Tribol. Lett. 54 (2014) 99). They are a sum of waves, so that no grid cuts them off.
+    """
+
+    radius: float  # [m]
+    roughness: float  # Root mean square of the waves' heights [m]
+    longest_wavelength: float  # [m]
+    shortest_wavelength: float  # [m]
+    realisation: int = 0  # Number of the random surface
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not self.shortest_wavelength <= self.longest_wavelength:
+            raise SurfaceError(
+                f"shortest_wavelength: {self.shortest_wavelength:g} m is not allowed; at most the longest, "
+                f"{self.longest_wavelength:g} m"
+            )
+
+    @property
+    @override
+    def limits(self) -> Sequence[tuple[str, bool, float]]:
+        return (
+            ("radius", False, 0.0),
+            ("roughness", False, 0.0),
+            ("longest_wavelength", False, 0.0),
+            ("shortest_wavelength", False, 0.0),
+        )
+
+    @cached_property
+    def _waves(self) -> tuple[Array, Array, Array]:
+        """Wavenumbers along x and y [1/m] and complex amplitudes [m]; (wave,) each."""
+        random = np.random.default_rng([_WAVES, int(self.realisation)])
+        share, direction, phase = random.random((3, _WAVES))
+        length = self.longest_wavelength * (self.shortest_wavelength / self.longest_wavelength) ** share
+        amplitude = length**_HURST
+        amplitude *= self.roughness / np.sqrt(np.sum(amplitude**2) / 2)
+        k = 2 * np.pi / length * np.exp(2j * np.pi * direction)
+        return k.real, k.imag, amplitude * np.exp(2j * np.pi * phase)
+
+    @override
+    def gap(self, x: Array, y: Array) -> Array:
+        along, across, amplitude = self._waves
+        waves_x = amplitude * np.exp(1j * along * np.asarray(x)[..., None])
+        waves_y = np.exp(1j * across * np.asarray(y)[..., None])
+        heights = np.einsum("...w,...w->...", waves_x, waves_y).real
+        return np.asarray((np.square(x) + np.square(y)) / (2 * self.radius) + heights)
+
+
+@dataclass(frozen=True, eq=False)
+class Cone(Shape):
+    """Cone."""
+
+    slope: float  # Rise over distance [1]
+
+    @property
+    @override
+    def limits(self) -> Sequence[tuple[str, bool, float]]:
+        return (("slope", False, 0.0),)
+
+    @override
+    def gap(self, x: Array, y: Array) -> Array:
+        return np.asarray(self.slope * np.hypot(x, y))
+
+
+@dataclass(frozen=True, eq=False)
+class Disc(Shape):
+    """Flat circular punch."""
+
+    radius: float  # [m]
+
+    @property
+    @override
+    def limits(self) -> Sequence[tuple[str, bool, float]]:
+        return (("radius", False, 0.0),)
+
+    @override
+    def gap(self, x: Array, y: Array) -> Array:
+        return np.where(np.hypot(x, y) <= self.radius, 0.0, np.inf)
+
+    @property
+    @override
+    def half_extent(self) -> tuple[float, float]:
+        return self.radius, self.radius
+
+    @property
+    @override
+    def sharp(self) -> bool:
+        return True
+
+
+@dataclass(frozen=True, eq=False)
+class Roller(Shape):
+    """Roller along y of finite length, with a crown and a tilt."""
+
+    radius: float  # [m]
+    length: float  # [m]
+    crown_radius: float = np.inf  # Radius of curvature along the axis [m]
+    tilt: float = 0.0  # Slope of the axis [rad]
+
+    @property
+    @override
+    def limits(self) -> Sequence[tuple[str, bool, float]]:
+        return ("radius", False, 0.0), ("length", False, 0.0), ("crown_radius", True, 0.0), ("tilt", False, -1.0)
+
+    @override
+    def gap(self, x: Array, y: Array) -> Array:
+        axis = y**2 / (2 * self.crown_radius) + self.tilt * y - self._lowest
+        return np.where(np.abs(y) <= self.length / 2, x**2 / (2 * self.radius) + axis, np.inf)
+
+    @property
+    def _lowest(self) -> float:
+        """Lowest height of the axis below its middle [m]."""
+        half, turning = self.length / 2, abs(self.tilt) * self.crown_radius if self.tilt else 0.0
+        y = min(half, turning)
+        return y**2 / (2 * self.crown_radius) - abs(self.tilt) * y
+
+    @property
+    @override
+    def half_extent(self) -> tuple[float, float]:
+        return np.inf, self.length / 2
+
+    @property
+    @override
+    def sharp(self) -> bool:
+        return True
+
+
+@dataclass(frozen=True, eq=False)
+class Map(Shape):
+    """Height map, with a cubic spline between its points."""
+
+    heights: Array  # (x, y) [m]
+    spacing: tuple[float, float]  # Between points along x and y [m]
+
+    def __post_init__(self) -> None:
+        heights = np.asarray(self.heights, dtype=np.float64)
+        if heights.ndim != 2 or min(heights.shape) < _LEAST_POINTS or max(heights.shape) > _MOST_POINTS:
+            raise SurfaceError(
+                f"heights: shape {heights.shape} is not allowed; {_LEAST_POINTS} to {_MOST_POINTS} points along x and y"
+            )
+        if not np.all(np.isfinite(heights)):
+            raise SurfaceError(f"heights: {np.sum(~np.isfinite(heights))} points are not finite numbers [m]")
+        spacing = np.broadcast_to(np.asarray(self.spacing, dtype=np.float64), 2)
+        if not (np.all(np.isfinite(spacing)) and np.all(spacing > 0)):
+            raise SurfaceError(f"spacing: {self.spacing!r} is not allowed; finite numbers > 0 [m]")
+        object.__setattr__(self, "heights", heights - np.min(heights))
+        object.__setattr__(self, "spacing", (float(spacing[0]), float(spacing[1])))
+
+    @cached_property
+    def _spline(self) -> Array:
+        return np.asarray(spline_filter(self.heights, order=3, mode="mirror"))
+
+    @override
+    def gap(self, x: Array, y: Array) -> Array:
+        x, y = np.broadcast_arrays(x, y)
+        (nx, ny), (dx, dy) = self.heights.shape, self.spacing
+        places = np.stack([x.ravel() / dx + (nx - 1) / 2, y.ravel() / dy + (ny - 1) / 2])
+        heights = map_coordinates(self._spline, places, order=3, mode="mirror", prefilter=False).reshape(x.shape)
+        half_x, half_y = self.half_extent
+        return np.where((np.abs(x) <= half_x) & (np.abs(y) <= half_y), heights, np.inf)
+
+    @property
+    @override
+    def half_extent(self) -> tuple[float, float]:
+        (nx, ny), (dx, dy) = self.heights.shape, self.spacing
+        return nx * dx / 2, ny * dy / 2

@@ -1,0 +1,131 @@
+"""Cuts of crystals: names, rotations, tensors, and the refusals of what contacts along a line cannot take."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.material.cuts import canonical, of_family, rotation, split
+from verification.oracles.anisotropic import compliance
+
+
+@pytest.mark.parametrize(
+    ("cut", "normal"),
+    [
+        ("Z", (0, 0, 1)), ("X", (1, 0, 0)), ("Y", (0, 1, 0)), ("90Y", (0, 0, 1)),
+        ("36Y", (0, np.cos(np.radians(36)), np.sin(np.radians(36)))),
+        ("-20.5Y", (0, np.cos(np.radians(20.5)), -np.sin(np.radians(20.5)))),
+    ],
+)  # fmt: skip
+def test_the_normal_of_a_named_cut(cut: str, normal: tuple[float, float, float]) -> None:
+    np.testing.assert_allclose(rotation(cut)[2], normal, atol=1e-15)
+    assert np.linalg.det(rotation(cut)) == pytest.approx(1, abs=1e-14)
+
+
+def test_a_tilt_turns_the_axis_from_the_normal_towards_x() -> None:
+    np.testing.assert_allclose(rotation("tilt 30 deg")[:, 2], (0.5, 0, np.sqrt(3) / 2), atol=1e-15)
+    np.testing.assert_allclose(rotation("tilt 0 deg"), np.eye(3), atol=1e-15)
+
+
+@pytest.mark.parametrize("cut", ["X", "Y", "Z", "128Y", "tilt 10 deg", "euler 10 20 30", "euler 0 180 40"])
+def test_rows_of_a_rotation_become_euler_angles(cut: str) -> None:
+    np.testing.assert_allclose(rotation(canonical(rotation(cut))), rotation(cut), atol=1e-14)
+
+
+def test_families_with_their_angle_are_the_named_cuts() -> None:
+    np.testing.assert_allclose(rotation(of_family("rotated Y", np.radians(36))), rotation("36Y"), atol=1e-14)
+    np.testing.assert_allclose(rotation(of_family("tilt", np.radians(10))), rotation("tilt 10 deg"), atol=1e-14)
+    assert of_family("X", 0.0) == "X"
+
+
+@pytest.mark.parametrize(
+    ("cut", "words"),
+    [
+        ("37W", "unknown"), ([1, 2], "unknown"), ([[1, 0, 0], [0, 1, 0], [0, 0, 2]], "no rotation"),
+        ([[1, 0, 0], [0, 1, 0], [0, 0, -1]], "no rotation"), ("euler 0 inf 0", "finite"), ({"a": 1}, "unknown"),
+    ],
+)  # fmt: skip
+def test_what_is_no_rotation_is_refused_in_one_line(cut: Any, words: str) -> None:
+    with pytest.raises(solver.MaterialError, match=f"^tilted: cut: .*{words}") as error:
+        solver.Material.from_mapping({"name": "tilted", "E": 2e11, "nu": 0.3, "cut": cut})
+    assert "\n" not in str(error.value)
+
+
+def test_names_of_cuts_are_found() -> None:
+    crystal = solver.find("36Y LiNbO3")
+    assert (crystal.cut, crystal.name, crystal.axial) == ("36Y", "36Y LiNbO3", False)
+    assert solver.find("tilt 10 deg AlN").cut == "tilt 10 deg"
+    assert split("X quartz") == ("X", "quartz")
+    assert split("LiNbO3") is None
+    assert solver.Material.from_mapping(crystal.plain()).cut == "36Y"
+    with pytest.raises(solver.MaterialError, match="has a cut already"):
+        solver.find("36Y X quartz")
+
+
+@pytest.mark.parametrize("name", ["LiNbO3", "LiTaO3", "quartz", "langasite"])
+def test_the_energy_of_a_crystal_is_positive_and_symmetric(name: str) -> None:
+    tensor = solver.find(name).stiffness_tensor("36Y")
+    np.testing.assert_allclose(tensor, tensor.transpose(3, 2, 1, 0), rtol=0, atol=1e-15 * np.max(np.abs(tensor)))
+    elastic = tensor[:, :3, :3].reshape(9, 9)
+    assert np.linalg.eigvalsh(elastic)[3:].min() > 1e9  # rotations alone have no energy
+    assert np.linalg.eigvalsh(-tensor[:, 3, 3]).min() > 0
+
+
+def test_a_trigonal_crystal_comes_back_after_a_third_of_a_turn_about_its_axis() -> None:
+    for name in ("LiNbO3", "quartz"):
+        crystal = solver.find(name)
+        tensor, turned = (crystal.stiffness_tensor(cut) for cut in ("Z", "euler 120 0 0"))
+        sixth = crystal.stiffness_tensor("euler 60 0 0")
+        for J, K in ((0, 0), (0, 3), (3, 3)):
+            size = 1e-12 * np.max(np.abs(tensor[:, :3, :3] if J == K == 0 else tensor[:, :, 3]))
+            np.testing.assert_allclose(turned[:, J, K], tensor[:, J, K], rtol=0, atol=size)
+        assert np.max(np.abs(sixth - tensor)) > 1e-2 * np.max(np.abs(tensor))
+
+
+def test_the_tensor_in_the_plane_is_that_of_the_half_plane() -> None:
+    material = solver.find("CoFe2O4")  # magnetic, too
+    tensor = material.stiffness_tensor()
+    Q, R, T = material.generalised_stiffness()
+    plane = np.ix_([0, 2, 3, 4], [0, 2, 3, 4])
+    for block, (i, j) in zip((Q, R, T), ((0, 0), (0, 2), (2, 2)), strict=True):
+        np.testing.assert_array_equal(tensor[i, :, :, j][plane], block)
+
+
+def test_the_tensor_of_a_cut_is_that_of_the_oracle() -> None:
+    """Half-plane of the cut, its response by the oracle, from the tensor's constants in the surface's axes."""
+    tensor = solver.find("36Y LiNbO3").stiffness_tensor()
+    voigt = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+    c = np.array([[tensor[i, j, k, m] for k, m in voigt] for i, j in voigt])
+    e = np.array([[tensor[field, 3, k, m] for k, m in voigt] for field in range(3)])
+    crystal = solver.find("LiNbO3")
+    bare = crystal.stiffness_tensor()
+    c0 = np.array([[bare[i, j, k, m] for k, m in voigt] for i, j in voigt])
+    e0 = np.array([[bare[field, 3, k, m] for k, m in voigt] for field in range(3)])
+    x, y, z = rotation("36Y")
+    turned = compliance(c0, e0, -bare[:, 3, 3], [x, z, -y])
+    np.testing.assert_allclose(
+        compliance(c, e, -tensor[:, 3, 3], [[1, 0, 0], [0, 0, 1], [0, -1, 0]]), turned, rtol=1e-8
+    )
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        {"material": "36Y LiNbO3", "radius": 0.05, "load": 1e4},
+        {"material": "quartz", "radius": 0.05, "load": 1e4},
+        {"material": "PZT-4", "thickness": 1e-4, "base": "X quartz", "radius": 0.05, "load": 1e4},
+    ],
+)
+def test_contacts_along_a_line_refuse_a_cut(case: dict[str, Any]) -> None:
+    with pytest.raises((solver.MaterialError, solver.FactorError), match="contacts in space alone") as error:
+        solver.solve(case)
+    assert "\n" not in str(error.value)
+
+
+def test_layers_and_composites_refuse_a_cut() -> None:
+    film = solver.Stack([solver.Layer("X quartz", 1e-4)], "rigid")
+    with pytest.raises(solver.MaterialError, match="contacts in space alone"):
+        solver.solve({"body": film, "radius": 0.05, "load": 1e4})
+    with pytest.raises(solver.MaterialError, match="contacts in space alone"):
+        solver.fibrous(solver.find("36Y LiNbO3"), solver.find("CoFe2O4"), 0.5)

@@ -1,0 +1,118 @@
+"""Studies that are refused: each in one line that names the key, its value and what is allowed."""
+
+import pytest
+
+from tests.studies import edited, refusal
+from tests.workflow.dataset.test_batches import FILM as CROSSED
+from tests.workflow.study.test_films import FILM
+from tests.workflow.study.test_grouped import STUDY as GROUPED
+from tests.workflow.study.test_layered import LAYERS
+from tests.workflow.study.test_points import BALL
+from workflow.run.provenance import ROOT
+
+BOX, CATALOGUE, TAXEL = (
+    (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8") for name in ("quickstart", "catalogue", "taxel")
+)
+BOX = edited(BOX, "<= tensile_strength]", "<= 50 MPa, peak_pressure <= 500 MPa]")
+
+#: A study, a part of it, what stands in its place, and words of the refusal.
+REFUSED: list[tuple[str, str, str, str]] = [
+    # keys, factors, questions
+    (BOX, "high: 0.6", "hihg: 0.6", "factors.friction.hihg: unknown key; did you mean 'high'? allowed: low, high,"),
+    (BOX, "high: 0.6", "high: 0.6, kinks: [0.3]", "factors.friction.kinks: was removed in 0.3.0; leave it out"),
+    (BOX, "levels: 5", "levels: 5.5", "factors.friction.levels: 5.5: input should be a valid integer"),
+    (BOX, "high: 0.6", "high: .nan", "factors.friction.high: nan: input should be a finite number"),
+    (BOX, "low: 0.0, high: 0.6", "low: 0.7, high: 0.6", "factors.friction: low = 0.7 must be below high = 0.6"),
+    (BOX, "high: 0.95", "high: 1.05", "volume_fraction: 1.05 is not a finite number >= 0 and <= 1 [1]"),
+    (BOX, "{low: 0.0, high: 0.6, levels: 5}", "0.2", "factors.friction: 0.2: must be a mapping of low, high, levels"),
+    (BOX, "friction: {low", "fricton: {low", "factors.fricton: 'fricton' is not a factor; did you mean 'friction'?"),
+    (BOX, "[BaTiO3, CoFe2O4]", "[BaTi3, CoFe2O4]", "material: 'BaTi3' is unknown; did you mean 'BaTiO3'?"),
+    (BOX, "magnetic_charge: 0.0", "magnetic_charge: none", "fixed: magnetic_charge: 'none' is not a finite number"),
+    (BOX, "magnetic_charge: 0.0", "charge: 0.0", "fixed: charge: is one of the factors already"),
+    (BOX, "tension <=", "tensin <=", "design.sensor: 'trailing_tensin': 'trailing_tensin' is not a quantity; did"),
+    (BOX, "<= 50 MPa", "<= 50 mm", "design.sensor: 'trailing_tension <= 50 mm': unit mismatch: the limit is in mm, "),
+    (BOX, "abs(volt", "load + (volt", "design.sensor: 'load + (voltage_per_load)': 'N m-1' and 'V m N-1' cannot"),
+    (BOX, "maximise: abs(voltage_per_load)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
+    (BOX, "[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,",
+     "design.sensor: subject_to: depth <="),
+    (BOX, "over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {high: 1.0}}",
+     "design: sensor: radius = 1 is not within 0.005 to 0.2"),
+    (BOX, "[0.1, 0.4]", "[0.4, 0.1]", "design.sensor: worst_case: friction: 0.4 must not be above 0.1"),
+    (BOX, "{load: 5e3, charge: 0.0}", "{load: 5e3}", "design: sensor: 'charge' is missing; put it in over, at, worst"),
+    (BOX, "  sensor:", "  my sensor:", "design: 'my sensor' must be letters, digits and underscores"),
+    (BOX, "<= 50 MPa", "<= 50 MPa1/0", "design.sensor: 'trailing_tension <= 50 MPa1/0': '1/0': an exponent must be"),
+    (BOX, "cases: 5000", "cases: 5000\n  cases: 4", "not valid YAML: key 'cases' is given twice"),
+    (BOX, "\ndesign:", "\n\tdesign:", "not valid YAML: found character '\\t' that cannot start any token"),
+    # categories
+    (CATALOGUE, "  profile: [cylinder, half_cylinder]", "  profile: [cylinder, cylinder]", "a name is given twice"),
+    (CATALOGUE, "  profile: [cylinder, half_cylinder]", "  colour: [red, blue]", "'colour' is not a category"),
+    (CATALOGUE, "  charge: 0.0", "  profile: flat", "fixed: profile: is one of the categories already"),
+    (CATALOGUE, "[radius, material, profile]", "[radius, material]", "design: voltage: 'profile' is missing"),
+    (CATALOGUE, "  outputs: [", "  fields: 8\n  outputs: [", "are not learned over categories: material, profile"),
+    # films
+    (FILM, "  thickness: {low: 2e-4, high: 3e-4, levels: 3, scale: log}\n", "", "base: 'rigid' without a thickness"),
+    (FILM, "categories: {base: [rigid, steel]}\n", "", "base: missing; must be 'rigid' or a material's name, or else"),
+    (FILM, "electric: grounded", "electric: insulated", "interface_electric: 'insulated' is not one of gr"),
+    (FILM, "electric: grounded", "magnetic: insulated", "interface_magnetic: 'insulated' is allowed above a"),
+    (FILM, "interface_electric: grounded}", "base_volume_fraction: 0.2}\ndataset: {peaks: true}",
+     "dataset: peaks: are"),
+    (FILM, "  friction: {low: 0.0, high: 0.3", "  grading_exponent: {low: 2.0, high: 3.0", "factors: grading_exponent"),
+    (FILM, "design:", "surrogate: {fields: 4}\ndesign:", "surrogate: fields: only those of half-planes are learned"),
+    (FILM, "design:", "surrogate: {outputs: [peak_von_mises]}\ndesign:", "surrogate: outputs: some of thes"),
+    # heat
+    (TAXEL, "base: FR4", "base: rigid",
+     "have no 'heat_time'; heat: not known for the base 'rigid': conductivity; name"),
+    (TAXEL, "charge_noise: 1 fC", "feedback_resistance: 1 TOhm\n    charge_noise: 1 fC",
+     "device: amplifier: feedback_resistance: 1 TOhm is beside one of the factors; give one of them"),
+    # points
+    (BALL, "{amplifier:", "{electrode_length: 10 mm, amplifier:",
+     "device: electrode_length: a point contact has none: its forces and charges are whole"),
+    (BALL, "groups:", "surrogate: {fields: 8}\ngroups:", "surrogate: fields: point contacts have none; must be 0"),
+    (BALL, "peak_pressure <=", "leading_compression <= 1 MPa, peak_pressure <=", "'leading_compression' is not one of"),
+    (BALL, "groups:", "categories: {profile: [sphere, cylinder]}\ngroups:",
+     "categories: profile: sphere, cylinder: lines and points need a study each"),
+    # groups
+    (GROUPED, "load * radius / datum^2", "load / radius", "depth, voltage, blocked_load_per_volt depend on the datum"),
+    (GROUPED, "charge / load", "charge / load^2",
+     "groups: radius x 0.316 and load x 3.16 and charge x 10 is in no group, and is"),
+    (GROUPED, "charge / load", "charge + load", "groups: 'charge + load': 'C m-1' and 'N m-1' cannot be added"),
+    (GROUPED, "charge / load", "voltage / load", "groups: 'voltage / load': 'voltage' is no factor"),
+    (GROUPED, "load * radius / datum^2: {levels: 5}", "load * radius: {levels: 5, scale: logit}", "between 0 and 1"),
+    (GROUPED, "charge / load: {levels: 3}", "radius * load: {levels: 3}",
+     "charge x 10 is in no group, and is another contact"),
+    (GROUPED, "charge / load: {levels: 3}", "load / datum: {levels: 3}", "begins with 'load' as another group does"),
+    (GROUPED, "low: 0.02,", "levels: 4, low: 0.02,",
+     "factors: radius: levels: of a study with groups they stand in groups"),
+    # bodies
+    (LAYERS, "  copper_thickness: {", "  zinc_thickness: {",
+     "body.1: thickness: 'copper_thickness' is neither in factors"),
+    (LAYERS, "radius: 0.05", "radius: 0.05, x_thickness: 1e-3", "fixed: x_thickness: no layer of the body names it"),
+    (LAYERS, "categories: {base: [rigid, silicon]}\n", "",
+     "base: a body needs a base, or else base_modulus and base_poi"),
+    (LAYERS, "volume_fraction: volume_fraction, ", "",
+     "body.0: volume_fraction: missing; must be a finite number >= 0"),
+    (LAYERS, "s: copper_thickness", "s: copper",
+     "body.1: thickness: 'copper' is no name of such a factor; must be thick"),
+    (LAYERS, "s: copper_thickness", "s: thickness",
+     "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
+    (LAYERS, "low: 4e-5", "low: -1e-3", "factors: copper_thickness: -0.001 is not a finite number > 0 [m]"),
+    (LAYERS, "{electric: grounded}", "{magnetic: insulated}",
+     "interface_magnetic: 'insulated' is allowed above a rigid"),
+    # parts of a factorial
+    (CROSSED, "0.55, levels: 3}", "0.55}",
+     "factors: volume_fraction: levels are missing; surrogate: method: cross needs"),
+    (CROSSED, "outputs: [v", "fields: 8, outputs: [v", "surrogate: method: cross learns no fields"),
+    (CROSSED, "slabs: 2", "slabs: 2, budget: 5", "factors: 6 cases at a place are more than dataset: budget: 5"),
+    (CROSSED, "slabs: 2", "slabs: 2, peaks: true",
+     "dataset: peaks: surrogate: method: cross learns no largest stresses"),
+    (CROSSED, "method: cross", "method: kross", "surrogate.method: 'kross': input should be"),
+    (CROSSED, "volume_fraction: volume_fraction, thickness: thickness}",
+     "volume_fraction: volume_fraction, thickness: 2e-4}",
+     "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
+]  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore::solver.face.refusal.SmallStrainWarning")
+@pytest.mark.parametrize(("text", "old", "new", "words"), REFUSED, ids=[row[-1] for row in REFUSED])
+def test_it_is_refused_in_one_line(text: str, old: str, new: str, words: str) -> None:
+    assert words in refusal(edited(text, old, new))
