@@ -146,6 +146,8 @@ _QUANTITIES: dict[str, dict[str, Described]] = {
     "Constants for heat": names.THERMAL,
     "Points": names.POINT_QUANTITIES,
     "Sliding points": names.POINT_SLIDING,
+    "Contacts in space": names.SPACE_QUANTITIES,
+    "Maps of contacts in space": names.MAPS,
     "Fields": FIELDS,
     "Fields of points": POINT_FIELDS,
 }

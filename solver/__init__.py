@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from solver.face.refusal import CaseError, FactorError, SmallStrainWarning
     from solver.face.solution import solve, solve_curves, solve_interior
+    from solver.face.surface import solve_map
     from solver.face.table import table
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
@@ -37,6 +38,7 @@ __all__ = [
     "solve",
     "solve_curves",
     "solve_interior",
+    "solve_map",
     "table",
 ]
 
@@ -61,6 +63,7 @@ _MODULES = {
     "solve": "face.solution",
     "solve_curves": "face.solution",
     "solve_interior": "face.solution",
+    "solve_map": "face.surface",
     "table": "face.table",
 }
 

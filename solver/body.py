@@ -6,12 +6,13 @@ class of ``face/solution.py``. Nothing else asks which kind a case is: what diff
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal
 
 from solver.described import Contact, Described, Loads
 from solver.fields import FIELDS, POINT_FIELDS
-from solver.material.constants import Material
-from solver.material.library import materials
+from solver.material.constants import Material, MaterialError
+from solver.material.library import find, materials
 from solver.names import (
     AIR,
     BODY,
@@ -26,12 +27,15 @@ from solver.names import (
     OF_A_FILM,
     OF_AN_ELECTRODE,
     OF_HEAT,
+    OF_SPACE,
+    ON_CUTS,
     PEAKS,
     POINT_GAP_QUANTITIES,
     POINT_QUANTITIES,
     POINT_SLIDING,
     PROFILES,
     QUANTITIES,
+    SPACE_QUANTITIES,
     TABLED,
 )
 from solver.stack.layers import Stack
@@ -55,12 +59,18 @@ class Kind:
     quantities: Mapping[str, Described]
     peaks: Mapping[str, Described]
     regions: tuple[str, ...]  # Names of ``solver.curves.REGIONS`` that its peaks may follow from
+    space: bool = False  # Whether its contact has no axis of revolution: a point contact whose surface is a map
     layered: bool = False  # Whether it has a top layer with a thickness, on a base
     air: bool = False  # Whether the air beside its contact carries charge
     factors: tuple[str, ...] = ()  # Factors that no other kind has
     # Numeric factors for whose every value the solver makes tables; empty for a closed form
     tabled: tuple[str, ...] = ()
     method: str = ""  # What a solution's source says of it beside the closed form
+
+    @property
+    def touch(self) -> "Touch":
+        """How a punch touches it: along a line, at a point of revolution, or in space."""
+        return "space" if self.space else self.contact
 
     @property
     def loads(self) -> Loads:
@@ -70,11 +80,13 @@ class Kind:
     @property
     def ends(self) -> tuple[str, str]:
         """The quantities that its contact extends to the trailing and to the leading side by."""
-        return ENDS[self.contact]
+        return ("contact_length_x", "contact_length_x") if self.space else ENDS[self.contact]
 
     @property
     def fields(self) -> Mapping[str, Described]:
         """Fields that its surface may have."""
+        if self.space:
+            return {name: POINT_FIELDS[name] for name in ("contact_pressure", "electric_displacement")}
         return FIELDS if self.contact == "line" else POINT_FIELDS
 
     @property
@@ -174,20 +186,66 @@ POINT_FILM_IN_AIR = replace(
     method=POINT_FILM.method + _IN_AIR,
 )
 
+SPACE = Kind(
+    "contact in space",
+    "point",
+    "absolute",
+    SPACE_QUANTITIES,
+    {},
+    (),
+    space=True,
+    factors=OF_SPACE,
+    method="; semismooth Newton iteration with kernels of the infinite body",
+)
+SPACE_IN_AIR = replace(SPACE, name="contact in space, air beside it", air=True)
+SPACE_ON_LAYERS, SPACE_ON_LAYERS_IN_AIR = (
+    replace(
+        kind,
+        name=f"{kind.name}, on layers",
+        quantities=kind.quantities | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+        layered=True,
+        factors=(*OF_A_FILM, *OF_SPACE),
+    )
+    for kind in (SPACE, SPACE_IN_AIR)
+)
+
 _KINDS = (
     HALF_PLANE, FILM, HALF_PLANE_IN_AIR, FILM_IN_AIR, HALF_SPACE, POINT_FILM, HALF_SPACE_IN_AIR, POINT_FILM_IN_AIR,
+    SPACE, SPACE_ON_LAYERS, SPACE_IN_AIR, SPACE_ON_LAYERS_IN_AIR,
 )  # fmt: skip
+#: How a punch touches a body: along a line, at a point of revolution, or in space.
+Touch = Literal["line", "point", "space"]
 #: Kinds by contact, by whether the body is layered, and by whether air beside the contact carries charge.
-KINDS: dict[tuple[Contact, bool, bool], Kind] = {(kind.contact, kind.layered, kind.air): kind for kind in _KINDS}
+KINDS: dict[tuple[Touch, bool, bool], Kind] = {(kind.touch, kind.layered, kind.air): kind for kind in _KINDS}
 
 
 def kind_of(
-    factors: Collection[str], profile: object = "cylinder", surroundings: object = CHOICES["surroundings"][0]
+    factors: Collection[str],
+    profile: object = "cylinder",
+    surroundings: object = CHOICES["surroundings"][0],
+    material: object = None,
 ) -> Kind:
-    """The kind of a case."""
-    contact = PROFILES[profile].contact if isinstance(profile, str) and profile in PROFILES else "line"
+    """The kind of a case; of a sphere, cone or disc on a cut crystal by its ``cut`` or its material."""
+    outline = PROFILES[profile] if isinstance(profile, str) and profile in PROFILES else PROFILES["cylinder"]
+    space = outline.space or (profile in ON_CUTS and ("cut" in factors or is_cut(material)))
     layered = BODY in factors or "thickness" in factors
-    return KINDS[contact, layered, surroundings == AIR]
+    return KINDS["space" if space else outline.contact, layered, surroundings == AIR]
+
+
+def is_cut(material: object) -> bool:
+    """Return whether a material, a built-in one's name or a stack is a crystal that only contacts in space take."""
+    if isinstance(material, Stack):
+        base = [] if isinstance(material.base, str) else [material.base]
+        return any(map(is_cut, [*(layer.material for layer in material.layers if not layer.graded), *base]))
+    return not material.axial if isinstance(material, Material) else isinstance(material, str) and _named_cut(material)
+
+
+@cache
+def _named_cut(name: str) -> bool:
+    try:
+        return not find(name).axial
+    except MaterialError:
+        return False  # refused, or one of the user's, when the material is looked up
 
 
 def airless(case: Mapping[str, object]) -> str:
@@ -230,5 +288,8 @@ def around(case: Mapping[str, object]) -> str:
 
     Beside a half-plane or a half-space, as in the seed's problem, there is no charge.
     """
-    kind = kind_of(case, case.get("profile", "cylinder"))
+    material = next((m for m in (case.get("material"), case.get("base"), case.get(BODY)) if is_cut(m)), None)
+    kind = kind_of(case, case.get("profile", "cylinder"), material=material)
+    if kind.space:
+        return AIR
     return AIR if kind.layered and not airless(case) else CHOICES["surroundings"][0]

@@ -83,6 +83,7 @@ class Outline:
     needs: tuple[str, ...]
     may: tuple[str, ...] = ()
     contact: Contact = "line"
+    space: bool = False  # Whether it has no axis of revolution: a contact in space
 
     @property
     def takes(self) -> tuple[str, ...]:

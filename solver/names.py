@@ -1,5 +1,7 @@
 """Names, units and meanings of factors and quantities: one table each, used everywhere."""
 
+from math import pi
+
 from solver.described import Contact, Described, Factor, Loads, Outline, on_datum, poisson, positive
 
 #: Numeric factors of a case.
@@ -7,10 +9,25 @@ FACTORS: dict[str, Factor] = {
     "volume_fraction": Factor("1", "volume fraction of phase one", None, 0.0, high=1.0),
     "scandium_fraction": Factor("1", "scandium's share x of the metal atoms of Al(1-x)Sc(x)N", None, 0.0, high=0.5),
     "radius": positive("m", "punch radius R"),
+    "radius_x": positive("m", "radius of curvature of an ellipsoid along x"),
+    "radius_y": positive("m", "radius of curvature of an ellipsoid along y"),
+    "length": positive("m", "length of a roller, along y"),
+    "crown_radius": positive(
+        "m", "radius of a roller's crown, along its axis; without one the roller is straight", optional=True
+    ),
+    "tilt": Factor("rad", "tilt of a roller's axis against the surface", 0.0, -1.0, high=1.0),
+    "roughness": positive("m", "root mean square of a rough sphere's heights"),
+    "longest_wavelength": positive("m", "longest wave of a rough sphere's heights"),
+    "shortest_wavelength": positive("m", "shortest wave of a rough sphere's heights"),
+    "realisation": Factor("1", "number of the random surface of a rough sphere", 0.0, 0.0),
+    "map_spacing": positive("m", "distance between the points of a height map", optional=True),
     "width": positive("m", "width of a flat punch"),
     "slope": Factor("1", "slope dg/dx of a wedge's face, or tilt of a flat punch"),
     "moment": Factor("N", "moment int x p dx of the pressure about the middle of a flat punch, instead of its slope"),
     "friction": Factor("1", "Coulomb coefficient eta", 0.0, 0.0),
+    "sliding_direction": Factor(
+        "rad", "direction of sliding of a contact in space, from x towards y", 0.0, -2 * pi, high=2 * pi
+    ),
     "load": positive("N m-1", "normal load P"),
     "charge": Factor("C m-1", "electric charge T", 0.0),
     "magnetic_charge": Factor("Wb m-1", "magnetic charge J", 0.0),
@@ -25,6 +42,12 @@ FACTORS: dict[str, Factor] = {
         "1", "relative permittivity of what fills the gap beside the contact", 1.0, 0.0, low_allowed=False, high=1e6
     ),
     "gap_radius": positive("m", "radius at which the gap beside a point contact ends", optional=True),
+    "cut_angle": Factor(
+        "rad", "angle of a cut: of a rotated Y from Y towards Z, or of a tilt", None, -2 * pi, high=2 * pi
+    ),
+    "grid_error": Factor(
+        "1", "largest relative error of a contact in space, by which its grid is refined", 1e-3, 1e-6, high=0.1
+    ),
     "thickness": positive("m", "thickness of a film", optional=True),
     "base_volume_fraction": Factor(
         "1", "volume fraction of phase one at the base of a graded film", None, 0.0, high=1.0, optional=True
@@ -66,11 +89,27 @@ PROFILES: dict[str, Outline] = {
     "cone": Outline(("slope",), contact="point"),
     "disc": Outline(("width",), contact="point"),
     "power": Outline(("exponent", "coefficient"), contact="point"),
+    "ellipsoid": Outline(("radius_x", "radius_y"), contact="point", space=True),
+    "roller": Outline(("radius", "length"), ("crown_radius", "tilt"), contact="point", space=True),
+    "rough_sphere": Outline(
+        ("radius", "roughness", "longest_wavelength", "shortest_wavelength"),
+        ("realisation",),
+        contact="point",
+        space=True,
+    ),
+    "map": Outline((), ("map_spacing",), contact="point", space=True),
 }
+
+#: Profiles of revolution that may lie on a cut crystal: the contact then is one in space.
+ON_CUTS = ("sphere", "cone", "disc")
+
+#: The factor of a map: a file (CSV, or one that SurfaceTopography reads), or an array of heights [m] over x and y.
+HEIGHT_MAP = "height_map"
 
 #: Factors that take one of a few names; the first is the default.
 CHOICES: dict[str, tuple[str, ...]] = {
     "composite": tuple(COMPOSITES),
+    "cut": ("Z", "X", "Y", "rotated Y", "tilt"),
     "profile": tuple(PROFILES),
     "corner": ("leading", "trailing"),
     "electric": ("conducting", "insulating"),
@@ -110,6 +149,12 @@ OF_A_FILM = (
     "thickness", "base", "base_modulus", "base_poisson", "interface_electric", "interface_magnetic",
     "base_volume_fraction", "grading_exponent",
 )  # fmt: skip
+
+#: Factors that only a contact in space has.
+OF_SPACE = ("cut", "cut_angle", "sliding_direction", "grid_error")
+
+#: Families of cuts that need a ``cut_angle``.
+ANGLED_CUTS = ("rotated Y", "tilt")
 
 #: Factors of the heat that a touch brings to a film, and of the charge amplifier in which charge of it decays.
 OF_HEAT = ("touch_temperature", "body_temperature", "heat_share", "hold", "feedback_resistance", "feedback_capacitance")
@@ -291,6 +336,35 @@ POINT_GAP_QUANTITIES: dict[str, Described] = {
     **{name: GAP_QUANTITIES[name] for name in ("peak_displacement", "gap_field")},
 }
 
+#: Quantities of a contact in space; the others mean what they mean at a point.
+SPACE_QUANTITIES: dict[str, Described] = {
+    "contact_area": Described("m2", "area of the contact"),
+    "contact_length_x": Described("m", "length of the contact along x"),
+    "contact_length_y": Described("m", "length of the contact along y"),
+    **{
+        name: {**POINT_QUANTITIES, **POINT_GAP_QUANTITIES}[name]
+        for name in (
+            "peak_pressure", "depth", "voltage", "charge_per_force", "stroke_per_volt", "voltage_per_force",
+            "blocked_force_per_volt", "capacitance", "capacitance_at_force", "contact_stiffness",
+            "contact_stiffness_open",
+        )
+    },
+    "friction_force_x": Described("N", "friction of the punch on the surface along x"),
+    "friction_force_y": Described("N", "friction of the punch on the surface along y"),
+    "moment_x": Described("N m", "moment of the pressure about x through the punch's middle"),
+    "moment_y": Described("N m", "moment of the pressure about y through the punch's middle"),
+    "moment_z": Described("N m", "moment of the friction about the normal through the punch's middle"),
+    "relative_error": Described("1", "largest relative error of depth, voltage and charge, estimated from two grids"),
+}  # fmt: skip
+
+#: Maps of a contact in space over (x, y), as :func:`solver.solve_map` gives them.
+MAPS: dict[str, Described] = {
+    "contact_pressure": Described("Pa", "contact pressure -sigma_zz"),
+    "electric_displacement": Described("C m-2", "normal electric displacement D_z"),
+    "gap": Described("m", "gap between punch and deformed surface"),
+    "contact_share": Described("1", "share of a cell that is in contact"),
+}
+
 #: What a material bears, beside its constants; not every one is known of a material.
 LIMITS: dict[str, Described] = {
     "tensile_strength": Described("Pa", "principal tension at which it breaks"),
@@ -324,7 +398,7 @@ LIMITED: dict[str, tuple[str, ...]] = {
 #: Every quantity of any body.
 ALL_QUANTITIES = {
     **EVERY_QUANTITY, **EVERY_FILM_QUANTITY, **GAP_QUANTITIES, **POINT_QUANTITIES, **POINT_GAP_QUANTITIES,
-    **ELECTRODE_QUANTITIES, **HEAT_QUANTITIES,
+    **ELECTRODE_QUANTITIES, **HEAT_QUANTITIES, **SPACE_QUANTITIES,
 }  # fmt: skip
 
 #: Those that are searched for over a body.

@@ -27,6 +27,10 @@ _FORCE, _LENGTH, _STRESS, _INTENSITY = Weight(1.0, 1.0), Weight(1.0), Weight(0.0
 #: Factors that change under similarity.
 FACTOR_WEIGHTS: dict[str, Weight] = {
     "radius": Weight(1.0, -1.0),
+    **dict.fromkeys(("radius_x", "radius_y", "crown_radius"), Weight(1.0, -1.0)),
+    **dict.fromkeys(("length", "longest_wavelength", "shortest_wavelength", "map_spacing"), _LENGTH),
+    "roughness": _FORCE,
+    "tilt": _STRESS,
     "width": _LENGTH,
     "slope": _STRESS,
     "moment": Weight(2.0, 1.0),
@@ -49,8 +53,11 @@ _CHANGING: dict[Weight, tuple[str, ...]] = {
     _LENGTH: ("contact_trailing", "contact_leading", "contact_offset", "peak_von_mises_depth",
         "contact_radius", "blocked_force_per_volt", "blocked_force_per_ampere", "capacitance",
         "capacitance_at_force", "permeance",
-         "contact_stiffness", "contact_stiffness_open",
+         "contact_stiffness", "contact_stiffness_open", "contact_length_x", "contact_length_y",
     ),
+    Weight(2.0): ("contact_area",),
+    Weight(2.0, 1.0): ("friction_force_x", "friction_force_y"),
+    Weight(3.0, 1.0): ("moment_x", "moment_y", "moment_z"),
     _FORCE: ("depth", "voltage", "magnetic_potential"),
     _INTENSITY: tuple(name for name in ALL_QUANTITIES if "_edge_intensity" in name),
     Weight(-1.0): ("voltage_per_force", "magnetic_potential_per_force",

@@ -5,8 +5,8 @@ from typing import Any
 
 import xarray as xr
 
-from solver.body import KINDS, Kind
-from solver.described import Contact, Described
+from solver.body import KINDS, Kind, Touch
+from solver.described import Described
 from solver.face.filmfactors import present
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -20,13 +20,15 @@ from solver.names import (
     OF_A_PUNCH,
     OF_AN_ELECTRODE,
     OF_HEAT,
+    OF_SPACE,
     PROFILES,
 )
 
 #: How every solution is made (CF: the method of production).
-SOURCES: dict[Contact, str] = {
+SOURCES: dict[Touch, str] = {
     "line": "meecontact: closed-form solution of plane contact in the Stroh formalism",
     "point": "meecontact: closed-form solution of axisymmetric contact in the Stroh formalism",
+    "space": "meecontact: contact on a grid of cells in the Stroh formalism",
 }
 _RELATIVE = " relative to the datum"
 _FILM_DATUM = "of a film absolute above a grounded interface (depths: on a rigid base); elsewhere it "
@@ -42,8 +44,8 @@ def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[
     attrs = {
         "title": title.replace("half-plane", " or ".join(sorted(kind.name for kind in kinds))),
         "source": "; ".join(
-            SOURCES[contact] + "".join(kind.method for kind in kinds if kind.contact == contact)
-            for contact in dict.fromkeys(kind.contact for kind in kinds)
+            SOURCES[touch] + "".join(kind.method for kind in kinds if kind.touch == touch)
+            for touch in dict.fromkeys(kind.touch for kind in kinds)
         ),
     }
     if "material" not in arrays and BODY not in arrays:
@@ -112,9 +114,11 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
     unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
     unused |= set() if "line" in contacts else set(OF_A_LINE)
     unused |= set() if any(kind.air for kind in kinds_present) else {*OF_A_GAP}
+    unused |= set() if any(kind.space for kind in kinds_present) else {*OF_SPACE}
+    unused |= {name for outline in PROFILES.values() if outline.space for name in outline.may} - takes
     unused |= set() if "patch_size" in arrays else {*OF_AN_ELECTRODE}
     unused |= {*OF_HEAT}  # which the contact does not know
-    spared |= {"patch"} | unused
+    spared |= {"patch", "cut"} | unused
     defaults = {name: value for name, value in defaults.items() if name not in unused}
     if "interface_magnetic" not in {*arrays, *spared}:
         spared |= {"interface_magnetic"}

@@ -282,4 +282,4 @@ def _split(kinds: xr.DataArray) -> tuple[str, list[Indices]]:
 def _label(value: object) -> str:
     if isinstance(value, Material | Stack):
         return value.name
-    return "own" if isinstance(value, Profile) else str(value)
+    return "own" if isinstance(value, Profile | np.ndarray) else str(value)

@@ -8,7 +8,7 @@ import xarray as xr
 from solver.arrays import Array, BoolArray
 from solver.body import KINDS
 from solver.face.cases import Cases
-from solver.face.filmfactors import among, bare, kinds_of, refuse
+from solver.face.filmfactors import among, bare, in_space, kinds_of, refuse
 from solver.face.refusal import FactorError
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
 from solver.stack.electrodereading import DISC, STRIP, Reading
@@ -55,6 +55,7 @@ def check_electrodes(arrays: Mapping[str, xr.DataArray]) -> None:
     readable = [kind.name for kind in KINDS.values() if "collector" in kind.factors and not kind.air]
     lines = [kind.name for kind in KINDS.values() if kind.contact == "line"]
     for name in names:
+        refuse(arrays, name, in_space(arrays), "of a contact in space; electrodes are read below lines and points")
         absent = values[name] == "none" if name == "electrode" else xr.DataArray(False)
         refuse(arrays, name, ~absent & ~kinds.isin(readable), "without a film in insulated surroundings")
     if "collector" not in arrays:

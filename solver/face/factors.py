@@ -1,6 +1,7 @@
 """Named factors of the cases, checked: every name known, every value allowed, dimensions that fit."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 import xarray as xr
@@ -17,6 +18,8 @@ from solver.face.filmfactors import (
     check_films,
     check_gaps,
     check_heat,
+    check_space,
+    in_space,
     refuse,
     settled,
 )
@@ -31,6 +34,7 @@ from solver.names import (
     COMPOSITES,
     CONTACTS,
     FACTORS,
+    HEIGHT_MAP,
     MATERIALS,
     OF_A_FILM,
     OF_A_GAP,
@@ -46,16 +50,21 @@ _SMALLEST = float(np.finfo(np.float64).tiny)
 _STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
 _OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE, *OF_HEAT}
 _MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
+#: Factors of shapes, and what else only some profiles have.
+_OF_SHAPES = tuple(dict.fromkeys(name for outline in PROFILES.values() for name in outline.takes))
 _OUTPUT_DIMS = ("position", "x", "y")
 _CHARGES = {
     "charge": "electric", "magnetic_charge": "magnetic", "total_charge": "electric", "total_flux": "magnetic",
 }  # fmt: skip
 
 
-def checked(factors: Factors) -> dict[str, xr.DataArray]:
-    """Factors as arrays with dimensions, every name known and every value allowed."""
+def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyType({})) -> dict[str, xr.DataArray]:
+    """Factors as arrays with dimensions, every name known and every value allowed.
+
+    Cut crystals among a user's materials stand in place of their names, since they decide the kind of a contact.
+    """
     values_of = by_name(factors)
-    known = (*MATERIALS, *CHOICES, *FACTORS, BODY)
+    known = (*MATERIALS, *CHOICES, *FACTORS, BODY, HEIGHT_MAP)
     arrays: dict[str, xr.DataArray] = {}
     for name, value in values_of.items():
         if name not in known:
@@ -65,6 +74,8 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
             hint = f"did you mean {near!r}? " if near else ""
             raise FactorError(f"{name}: unknown factor; {hint}known are {', '.join(known)}")
         array = _array(str(name), value)
+        if name in MATERIALS:
+            array = _with_cuts(array, materials)
         if name in FACTORS:
             _check_modulus(str(name), array)
             array = _number(str(name), _in_si(str(name), array))
@@ -84,7 +95,19 @@ def checked(factors: Factors) -> dict[str, xr.DataArray]:
         raise FactorError(f"factors: dimensions do not fit each other: {str(error).splitlines()[0]}") from error
     _check_charges(arrays)
     check_elasticity(arrays, "punch")
-    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS else arrays
+    check_space(arrays)
+    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS or np.any(in_space(arrays)) else arrays
+
+
+def _with_cuts(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
+    """Materials with cut crystals of the user in place of their names."""
+    cut = {name: material for name, material in materials.items() if not material.axial}
+    if not cut or array.dtype.kind not in "OU":
+        return array
+    cells = np.empty(array.shape, dtype=object)
+    for place, value in np.ndenumerate(array.values):
+        cells[place] = cut.get(str(value), value) if isinstance(value, str) else value
+    return array.copy(data=cells)
 
 
 def _with_layers(arrays: dict[str, xr.DataArray]) -> dict[str, xr.DataArray]:
@@ -138,7 +161,7 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
     outlines = list(takes.values()) or [PROFILES["cylinder"]]  # a profile of one's own is pressed along a line
     _check_contacts(arrays, {outline.contact for outline in outlines}, ", ".join(profiles) or "given")
     taken = {name for outline in takes.values() for name in outline.takes}
-    for name in ("radius", "width", "slope", "moment", "corner", "exponent", "coefficient"):
+    for name in _OF_SHAPES:
         if name in arrays and name not in taken:
             raise FactorError(f"{name}: the profile {', '.join(profiles) or 'given'} has none")
     if "moment" in arrays and "slope" in arrays and "flat" in profiles:
@@ -181,9 +204,9 @@ def _array(name: str, value: object) -> xr.DataArray:
     """A scalar without dimension, a plain sequence as a dimension named after its factor."""
     if isinstance(value, xr.DataArray):
         return value.reset_coords(drop=True)
-    if isinstance(value, Material | Profile | Stack):
+    if isinstance(value, Material | Profile | Stack) or (name == HEIGHT_MAP and np.ndim(value) > 1):
         values = np.empty((), object)
-        values[()] = value
+        values[()] = value  # of a map all heights
     else:
         try:
             value = unmasked(value)

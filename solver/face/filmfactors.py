@@ -7,14 +7,28 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import shown
-from solver.body import KINDS, Kind, around
+from solver.body import KINDS, Kind, around, is_cut
 from solver.face.refusal import FactorError
 from solver.material.constants import Material
-from solver.names import AIR, BODY, FACTORS, OF_A_FILM, OF_A_GAP, OF_AN_ELECTRODE, OF_HEAT, PROFILES
+from solver.names import (
+    AIR,
+    ANGLED_CUTS,
+    BODY,
+    FACTORS,
+    HEIGHT_MAP,
+    OF_A_FILM,
+    OF_A_GAP,
+    OF_AN_ELECTRODE,
+    OF_HEAT,
+    OF_SPACE,
+    ON_CUTS,
+    PROFILES,
+)
 from solver.stack.layers import RIGID, Stack
 
 _POINTED = [name for name, outline in PROFILES.items() if outline.contact == "point"]
 GRADED_BELOW_A_POINT = "grades a film below a point contact; only a film under a contact along a line may be graded"
+_IN_SPACE = [name for name, outline in PROFILES.items() if outline.space]
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
 
@@ -42,12 +56,27 @@ def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
         return xr.DataArray(KINDS["line", False, False].name)
     layered = xr.DataArray(True) if BODY in arrays else _has(arrays, "thickness")
     pointed, air = among(arrays, "profile", _POINTED), among(arrays, "surroundings", [AIR])
-    layered, pointed, air = xr.broadcast(layered, pointed, air)
-    holds = [
-        (pointed.values == (contact == "point")) & (layered.values == layers) & (air.values == airy)
-        for contact, layers, airy in KINDS
-    ]
+    layered, pointed, air, space = xr.broadcast(layered, pointed, air, in_space(arrays))
+    touches = np.select([space.values, pointed.values], ["space", "point"], "line")
+    holds = [(touches == touch) & (layered.values == layers) & (air.values == airy) for touch, layers, airy in KINDS]
     return xr.DataArray(np.select(holds, [kind.name for kind in KINDS.values()], ""), dims=layered.dims)
+
+
+def in_space(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
+    """True for contacts in space: by the profile, or of revolution on a cut crystal."""
+    space = among(arrays, "profile", _IN_SPACE)
+    on_cuts = among(arrays, "profile", ON_CUTS)
+    if not np.any(on_cuts):
+        return space
+    if "cut" in arrays:
+        return space | on_cuts
+    for name in ("material", "base", BODY):
+        if name in arrays and arrays[name].dtype.kind in "OU":
+            known = {value: is_cut(value) for value in dict.fromkeys(arrays[name].values.flat)}
+            if any(known.values()):
+                cut = [known[value] for value in arrays[name].values.flat]
+                space = space | (on_cuts & xr.DataArray(np.reshape(cut, arrays[name].shape), dims=arrays[name].dims))
+    return space
 
 
 def present(arrays: Mapping[str, xr.DataArray]) -> list[Kind]:
@@ -116,6 +145,32 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
         )
 
 
+def check_space(arrays: Mapping[str, xr.DataArray]) -> None:
+    """Only contacts in space have a cut, a direction of sliding and a height map; their punch conducts a field."""
+    names = [name for name in (*OF_SPACE, HEIGHT_MAP) if name in arrays]
+    mapped = among(arrays, "profile", ["map"])
+    if np.any(mapped) and HEIGHT_MAP not in arrays:
+        raise FactorError(f"{HEIGHT_MAP}: missing; a file of heights or an array over x and y [m] (profile map)")
+    space = in_space(arrays)
+    for name in names:
+        if name == HEIGHT_MAP and not np.all(mapped):
+            raise FactorError(f"{name}: only the profile map has one")
+        if not np.all(space):
+            raise FactorError(
+                f"{name}: only contacts in space have it: profile {', '.join(_IN_SPACE)}, or {', '.join(ON_CUTS)} with "
+                "a cut"
+            )
+    angled = among(arrays, "cut", ANGLED_CUTS)
+    if np.any(angled) and "cut_angle" not in arrays:
+        raise FactorError(f"cut_angle: missing; must be {FACTORS['cut_angle'].allowed}, as '36 deg'")
+    if "cut_angle" in arrays and "cut" not in arrays:
+        raise FactorError("cut: missing; must be rotated Y or tilt where there is a cut_angle")
+    for name, words in (("electric", "conducting"), ("total_flux", "0")):
+        if name in arrays:
+            other = among(arrays, name, ["insulating"]) if name == "electric" else bare(arrays, name) != 0
+            refuse(arrays, name, other & space, f"of a contact in space; must be {words}")
+
+
 _NEEDS = {"touch_temperature": "hold", "hold": "touch_temperature", "feedback_resistance": "feedback_capacitance"}
 
 
@@ -124,8 +179,9 @@ def check_heat(arrays: Mapping[str, xr.DataArray]) -> None:
     names = [name for name in OF_HEAT if name in arrays]
     if not names:
         return
-    kinds = kinds_of(arrays)
+    kinds, space = kinds_of(arrays), in_space(arrays)
     for name in names:
+        refuse(arrays, name, space, "of a contact in space; heat is solved for contacts along a line and at a point")
         refuse(arrays, name, kinds.isin([kind for kind in np.unique(kinds) if "film" not in kind]), "without a film")
         if np.any(np.isnan(bare(arrays, name).values)):
             raise FactorError(f"{name}: missing in a case; heat is asked of all cases or of none")
@@ -161,7 +217,7 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
     graded = np.array([stack.top.graded for stack in arrays[BODY].values.flat]).reshape(arrays[BODY].shape)
     pointed = among(arrays, "profile", _POINTED)
     refuse(arrays, BODY, xr.DataArray(graded, dims=arrays[BODY].dims) & pointed, GRADED_BELOW_A_POINT)
-    for name in ("material", "composite", "volume_fraction", *OF_A_FILM):
+    for name in ("material", "composite", "volume_fraction", "cut", "cut_angle", *OF_A_FILM):
         if name in arrays:
             raise FactorError(f"{name}: beside a {BODY}; a stack has its own materials, thicknesses and interfaces")
 
@@ -177,14 +233,29 @@ def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why
 
 
 #: Factors that :func:`solver.body.around` reads: by their value, or only by whether a case has them, other than 0.
-_READ = ("surroundings", BODY, "material", "profile", "electric", "magnetic", "electrode", "interface_magnetic")
+_READ = (
+    "surroundings",
+    BODY,
+    "material",
+    "base",
+    "cut",
+    "profile",
+    "electric",
+    "magnetic",
+    "electrode",
+    "interface_magnetic",
+)
 _THERE = ("thickness", "gap_radius", "base_volume_fraction", "grading_exponent", *OF_AN_ELECTRODE[1:])
 
 
 def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     """Factors with the surroundings of every case, where a film or a table leaves them open."""
     surroundings = arrays.get("surroundings")
-    opened = arrays.keys() & {BODY, "thickness"} if surroundings is None else any(map(absent, surroundings.values.flat))
+    opened = (
+        arrays.keys() & {BODY, "thickness"} or np.any(in_space(arrays))
+        if surroundings is None
+        else any(map(absent, surroundings.values.flat))
+    )
     if not opened:
         return dict(arrays)
     read = {name: _labels(arrays[name], name in _THERE) for name in (*_READ, *_THERE) if name in arrays}

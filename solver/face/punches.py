@@ -23,15 +23,20 @@ _MODULUS_OF_RIGID, _POISSON_OF_RIGID = np.inf, 0.0
 
 def punch_of(cases: Cases) -> Punch:
     """The elasticity of the punch, over the case axes."""
+    return Punch.isotropic(*elasticity_of(cases)) if _given(cases) else RIGID_PUNCH
+
+
+def elasticity_of(cases: Cases) -> tuple[Array, Array]:
+    """Young's modulus [Pa], infinite of a rigid punch, and Poisson's ratio; (...)."""
     if not _given(cases):
-        return RIGID_PUNCH
+        return np.array(_MODULUS_OF_RIGID), np.array(_POISSON_OF_RIGID)
     which = cases.values.get("punch", np.array(None, dtype=object))
     modulus, poisson = _elasticity(cases, which.flat).reshape(2, *which.shape)
     if "punch_modulus" in cases.values:
         by_modulus = cases.values["punch_modulus"], cases.values["punch_poisson"]
         has_modulus = ~np.isnan(by_modulus[0])
         modulus, poisson = np.where(has_modulus, by_modulus[0], modulus), np.where(has_modulus, by_modulus[1], poisson)
-    return Punch.isotropic(modulus, poisson)
+    return modulus, poisson
 
 
 def punch_datum(cases: Cases) -> Array | None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
+from itertools import product
 from math import prod
 from types import MappingProxyType
 from typing import cast
@@ -13,8 +14,8 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array, BoolArray, unmasked
+from solver.body import Touch
 from solver.curves import REGIONS, SIZES, described
-from solver.described import Contact
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.factors import checked
@@ -27,7 +28,7 @@ from solver.names import ALL_PEAKS, ALL_QUANTITIES, OF_HEAT
 
 #: Module and class by contact, by layers of the body, and by charge in the air around the contact. A module is imported
 #: with the first case of its kind: cases on a half-plane never load the films.
-_BODIES: dict[tuple[Contact, bool, bool], tuple[str, str]] = {
+_BODIES: dict[tuple[Touch, bool, bool], tuple[str, str]] = {
     ("line", False, False): ("halfplane", "OnHalfPlane"),
     ("line", True, False): ("film", "OnFilm"),
     ("line", False, True): ("air", "HalfPlaneInAir"),
@@ -36,6 +37,7 @@ _BODIES: dict[tuple[Contact, bool, bool], tuple[str, str]] = {
     ("point", True, False): ("pointfilm", "OnPointFilm"),
     ("point", False, True): ("airpoint", "HalfSpaceInAir"),
     ("point", True, True): ("airpoint", "PointFilmInAir"),
+    **dict.fromkeys(product(("space",), (False, True), (False, True)), ("surface", "OnSurface")),
 }
 
 
@@ -126,7 +128,7 @@ def solve(
     if parts := of_kinds(factors):
         alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks)
         return solved_by_kind(parts, lambda part: alike(part, positions))
-    arrays = checked(factors)
+    arrays = checked(factors, materials)
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
@@ -165,7 +167,7 @@ def solve(
 def body_of(cases: Cases) -> Body:
     """The body of cases of one kind."""
     kind = cases.kind
-    module, name = _BODIES[kind.contact, kind.layered, kind.air]
+    module, name = _BODIES[kind.touch, kind.layered, kind.air]
     solved_by = cast(Callable[[Cases], Body], getattr(import_module(f"solver.face.{module}"), name))
     return solved_by(cases)
 
@@ -185,7 +187,8 @@ def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str
     """Surface fields at positions; at an edge they are 0 where they tend to it from both sides, else NaN."""
     edge = np.abs(X) == 1
     axis = {"position": xr.Variable("position", _without_edges_of(X))}
-    result = cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis)
+    hollow = cases.kind.space  # no field beyond the window that was solved
+    result = cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis, hollow=hollow)
     if not np.any(edge):
         return result
     leading, trailing = cases.smooth_edges
@@ -272,7 +275,7 @@ def solve_interior(
     if parts := of_kinds(factors):
         alike = partial(solve_interior, fields=fields, materials=materials, phases=phases)
         return solved_by_kind(parts, lambda part: alike(part, x, y))
-    cases = Cases(checked(factors), materials, phases)
+    cases = Cases(checked(factors, materials), materials, phases)
     grid_x, grid_y = _grid(x, y)
     for name in fields or ():
         if name not in EVERY_INTERIOR:
@@ -365,7 +368,7 @@ def solve_curves(
     """
     if parts := of_kinds(factors):
         return solved_by_kind(parts, lambda part: solve_curves(part, regions, materials=materials, phases=phases))
-    cases = Cases(checked(factors), materials, phases)
+    cases = Cases(checked(factors, materials), materials, phases)
     for name in regions:
         if name not in REGIONS:
             raise FactorError(f"regions: {name!r} is not one of {', '.join(REGIONS)}")

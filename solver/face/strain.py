@@ -40,7 +40,7 @@ def excesses(cases: Cases, values: Mapping[str, Array]) -> list[Excess]:
     strains: list[Excess | None] = []
     names = cases.kind.ends
     if "radius" in cases.outline.takes and all(name in values for name in names):
-        twice = values[names[0]] + values[names[1]]
+        twice = (values[names[0]] + values[names[1]]) / (2 if cases.kind.space else 1)  # lengths, or half lengths
         words = "a half-width of {} is {} of the punch radius {}"
         strains.append(_excess(words, WIDE, twice / 2, cases.values["radius"]))
     if cases.kind.layered and cases.kind.datum != "relative" and "depth" in values:

@@ -12,9 +12,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from solver.arrays import Array, is_finite, shown
+from solver.names import ANGLED_CUTS
 
-#: Families of cuts that the factor `cut` names; those of `ANGLED` have the factor `cut_angle`.
-FAMILIES, ANGLED = ("Z", "X", "Y", "rotated Y", "tilt"), ("rotated Y", "tilt")
 ALLOWED = (
     "X, Y, Z, a rotated Y as 36Y, a tilt of the axis as 'tilt 10 deg', three Euler angles in degrees, or a rotation's "
     "three rows"
@@ -52,8 +51,8 @@ def rotation(cut: str) -> Array:
 
 
 def of_family(family: str, angle: float) -> str:
-    """Text of the cut of a family, with its angle in radians where it has one."""
-    if family not in ANGLED:
+    """Text of the cut of a family of the factor `cut`, with its angle in radians where it has one."""
+    if family not in ANGLED_CUTS:
         return family
     degrees = repr(round(float(np.degrees(angle)), 12))
     return f"euler -90.0 {degrees} 90.0" if family == "tilt" else f"euler 0.0 {float(degrees) - 90!r} 0.0"

@@ -27,7 +27,10 @@ _SLENDER = 8.0  # largest ratio of the lengths of a cell
 _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
 _SECANT = 0.08  # change of the load for the stiffness: a fortieth of the contact's width, several cells
-_ORDER = 1.5  # in the cell, of the error of loads: pressure falls like a root at its edge
+_ROUNDING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
+# difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
+# like the cell to the power 3/2
+_SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 1.0, "voltage": 1.0}
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
 
@@ -204,7 +207,7 @@ class _Problem:
                 factors = (1 - _SECANT, 1 + _SECANT) if companions else ()
                 ends = [_solved(system, state, loadings, factor, error) for factor in factors]
                 contacts = {
-                    name: _contact(linear, errors, error, [end[name] for end in ends])
+                    name: _contact(linear, solved["grounded"], errors, error, [end[name] for end in ends])
                     for name, linear in solved.items()
                 }
                 main = contacts.pop("charged", contacts["grounded"])
@@ -340,16 +343,19 @@ class _Problem:
 
 
 def _loads(linear: Linearised) -> dict[str, float]:
-    """Loads whose error is estimated: what is not prescribed."""
+    """Loads whose error is estimated: what is not prescribed, without the rounding of a body that does not couple."""
     force, charge = linear.loads
-    loading = linear.system.loading
+    loading, per_volt = linear.system.loading, linear.system.per_volt
     mechanical = {"depth": linear.state.depth} if loading.force is not None else {"force": force}
     if loading.charge is not None:
-        return mechanical | {"voltage": linear.state.potential / linear.system.per_volt}
-    return mechanical | {"charge": charge}
+        coupled = abs(linear.state.potential) > _ROUNDING * linear.state.depth
+        return mechanical | ({"voltage": linear.state.potential / per_volt} if coupled else {})
+    return mechanical | ({"charge": charge} if abs(charge) > _ROUNDING * force * per_volt else {})
 
 
-def _contact(linear: Linearised, errors: dict[str, float], error: float, ends: Sequence[Linearised]) -> SurfaceContact:
+def _contact(
+    linear: Linearised, grounded: Linearised, errors: dict[str, float], error: float, ends: Sequence[Linearised]
+) -> SurfaceContact:
     """Fields and loads of a converged state."""
     system, state = linear.system, linear.state
     grid, loading = system.grid, system.loading
@@ -357,12 +363,14 @@ def _contact(linear: Linearised, errors: dict[str, float], error: float, ends: S
     tangent, fixed = linear.tangent(_TANGENT * error)
     if ends:
         tangent = _with_secant(tangent, *ends)
+    changed = _on(grid, state.pressed).astype(float) - _on(grid, grounded.state.pressed)
+    weight = np.clip(grounded.share + changed * grid.cover, 0, 1)
     along = loading.friction * np.array([np.cos(loading.direction), np.sin(loading.direction)])
     return SurfaceContact(
         x=grid.x, y=grid.y,
         pressure=_on(grid, state.pressure) / system.compliance,
         electric_displacement=_on(grid, state.charge) / (system.elastance * system.per_volt),
-        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=linear.share,
+        gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=weight,
         depth=state.depth, voltage=state.potential / system.per_volt,
         force=np.append(along * normal, normal), charge=float(charge) if loading.charge is None else loading.charge,
         tangent=tangent,
@@ -408,9 +416,9 @@ def _on(grid: Grid, values: Field) -> Field:
 
 
 def _errors(coarse: dict[str, float], fine: dict[str, float]) -> dict[str, float]:
-    """Relative errors on the finer of two grids, the error falling with the cell."""
+    """Relative errors on the finer of two grids: of charges, at single cells of the edge, their whole difference."""
     return {
-        name: abs(value - coarse[name]) / (2**_ORDER - 1) / max(abs(value), np.finfo(float).tiny)
+        name: float(abs(value - coarse[name]) / _SHARE_LEFT[name] / max(abs(value), np.finfo(float).tiny))
         for name, value in fine.items()
         if name in coarse
     }

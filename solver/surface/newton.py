@@ -26,7 +26,7 @@ _LEVELS = 8  # coarser levels of the air around the grid
 _LEVEL_CELLS, _COVERED = 32, 8  # cells a side of a level, and those that the level below covers
 _REACH = 64.0  # thicknesses of a layer, from where charges on it do not meet through the layer
 _PARTS = 4  # of a coarse cell, a side, of its mean capacitance
-_NEGLIGIBLE = 100.0  # potential across the gap over that by the charges of a level, beyond which charges are alone
+_NEGLIGIBLE = 1000.0  # potential across the gap over that by the charges of a level, beyond which charges are alone
 _RAYS, _RAY_NODES, _FAR = 64, 40, 1e3  # of the gap's capacitance beyond, to this multiple of its end
 _FREE, _NEARLY = 14, 0.05  # steps after which, and residual below which, cells at the edge no longer change sides
 _CUT = 0.52  # of the elastance of a cell, times 1/w - 1 for a share w: a disc of 12 cells is then exact to 1e-3
@@ -95,7 +95,7 @@ class System:
     def __init__(
         self, body: SurfaceBody, punch: SurfaceBody | None, shape: Shape, grid: Grid, loading: Loading, depth: float
     ) -> None:
-        self.grid, self.loading = grid, loading
+        self.grid, self.loading, self.layered = grid, loading, bool(body.layers)
         pairs = NORMAL_PAIRS + (SLIDING_PAIRS if loading.friction else ())
         fine = kernel(body, punch, pairs, grid.shape, *grid.size)
         # displacement by pressure and potential by charge of a cell alone
@@ -169,7 +169,8 @@ class System:
         nodes, weights = np.polynomial.legendre.leggauss(_RAY_NODES)
         r = np.exp(low + (high - low) * (nodes[:, None] + 1) / 2)
         x, y = middle[0] + r * np.cos(angle), middle[1] + r * np.sin(angle)
-        gap = np.maximum(shape.gap(x, y) - depth, np.finfo(float).tiny)
+        height = shape.gap(x, y)
+        gap = np.maximum(height - depth, height / 2)  # the surface there yields by less than half the gap
         density = r**2 / (gap * (1 + (x**2 + y**2) / self.loading.end**2))
         return float(self.loading.permittivity * np.sum(weights @ density * (high - low) / 2) * 2 * np.pi / _RAYS)
 
@@ -299,13 +300,13 @@ class Linearised:
 
     @property
     def share(self) -> Array:
-        """Share of each cell of the grid that is in contact; (x, y).
+        """Share of each cell of the grid that is in contact at zero voltage; (x, y).
 
-        A voltage opens the gap like the root of the distance to the edge: the cells then count as wholes.
+        The charge at the edge of a contact with layers opens the gap faster: there cells count as wholes.
         """
         grid, fine = self.system.grid, slice(0, self.system.fine)
         pressed = self.state.pressed[fine].reshape(grid.shape)
-        if self.state.potential:
+        if self.system.layered:
             return np.asarray(pressed * grid.cover)
         return share_in_contact(self.gap[fine].reshape(grid.shape), pressed) * grid.cover
 
@@ -486,6 +487,8 @@ def converged(system: System, state: State, tolerance: float) -> tuple[State, Li
     pressure, charges = np.zeros(cells), np.zeros(cells)
     pressure[: system.fine], charges[: charge.size] = state.pressure[: system.fine], charge
     state = replace(state, pressure=pressure, charge=charges, pressed=pressed)
+    if system.loading.depth is not None:
+        state = replace(state, depth=system.loading.depth)
     if system.loading.charge is None:
         state = replace(state, potential=system.loading.voltage * system.per_volt)
     entries = np.zeros(cells, dtype=np.int8)

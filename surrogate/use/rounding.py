@@ -1,6 +1,6 @@
 """Surrogates made small: each output's mean as a short tensor train in rounded numbers, to a stated error."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -16,7 +16,7 @@ from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.correction import Correction
 from surrogate.gp.gridgp import GridGP
-from surrogate.gp.tensortrain import TensorTrain
+from surrogate.gp.tensortrain import TensorTrain, compress
 from surrogate.transforms.boundedgp import BoundedGP
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
@@ -233,40 +233,33 @@ def _series(grid: GridGP, negligible: float) -> TensorTrain:
             plain[:, 2 * factor.levels - m] -= core[:, m] * factor.damping[m]
         cores.append(plain)
     cores[-1] = cores[-1] * grid.scale_
-    if grid.correction_ is None:
-        return TensorTrain(tuple(cores))
-    return TensorTrain(tuple(_added(cores, _terms(grid, grid.correction_, negligible))))
+    if grid.correction_ is not None:
+        for others in _terms(grid, grid.correction_, negligible):
+            cores = _added(cores, others)
+    return TensorTrain(tuple(cores))
 
 
-def _terms(grid: GridGP, correction: Correction, negligible: float) -> list[Array]:
-    """A correction as cores of as many rows as it has terms, (terms, modes, terms) but for the ends."""
-    c = correction.coefficients[..., 0]
-    order = np.argsort(np.abs(c), axis=None)
-    largest = order[np.cumsum(np.abs(c).ravel()[order]) > negligible]
-    factors, terms = np.unravel_index(largest, c.shape)
-    cores, count = [], len(largest)
-    for position, k in enumerate(grid.order_):
-        degree, n = correction.indices[terms, k], correction.levels[k]
-        core = np.zeros((count, 1 + n + int(correction.indices[:, k].max()), count))
-        row = np.arange(count)
-        nodal = factors == k  # T_n T_a = (T_{n+a} + T_|n-a|) / 2
-        core[row[~nodal], degree[~nodal], row[~nodal]] = 1.0
-        for shifted in (n + degree, np.abs(n - degree)):
-            np.add.at(core, (row[nodal], shifted[nodal], row[nodal]), 0.5)
-        if position == 0:
-            core = core.sum(axis=0, keepdims=True)
-        if position == len(grid.order_) - 1:
-            core = core.sum(axis=2, keepdims=True) * c[factors, terms][:, None, None]
-        cores.append(core)
-    if count and len(cores) == 1:
-        return cores
-    return cores if count else []
+def _terms(grid: GridGP, correction: Correction, negligible: float) -> Iterator[list[Array]]:
+    """Yield the parts of a correction, T_n of a factor times a polynomial of few degrees, as cores."""
+    allowed = negligible / len(grid.order_)
+    for factor, coefficients in enumerate(correction.coefficients[..., 0]):
+        if np.abs(coefficients).sum() <= allowed:
+            continue
+        tensor = np.zeros(1 + correction.indices.max(axis=0))
+        tensor[tuple(correction.indices.T)] = coefficients
+        cores = list(compress(tensor.transpose(grid.order_)[..., None], allowed).cores)
+        position, n = grid.order_.index(factor), correction.levels[factor]
+        low = cores[position]
+        nodal = np.zeros((low.shape[0], n + low.shape[1], low.shape[2]))
+        for degree in range(low.shape[1]):  # T_n T_a = (T_{n+a} + T_|n-a|) / 2
+            nodal[:, n + degree] += low[:, degree] / 2
+            nodal[:, abs(n - degree)] += low[:, degree] / 2
+        cores[position] = nodal
+        yield cores
 
 
 def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
     """The cores of the sum of two trains of one output."""
-    if not others:
-        return list(cores)
     summed = []
     last = len(cores) - 1
     for k, (a, b) in enumerate(zip(cores, others, strict=True)):

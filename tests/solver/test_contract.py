@@ -58,7 +58,8 @@ def pressing(case: Case) -> tuple[str, str]:
 
 
 def test_every_kind_of_body_is_here() -> None:
-    assert {kind(case).name for case in BODIES.values()} == {known.name for known in KINDS.values()}
+    """Contacts in space, which have no fields inside, have their own tests."""
+    assert {kind(case).name for case in BODIES.values()} == {k.name for k in KINDS.values() if not k.space}
 
 
 @each_variant

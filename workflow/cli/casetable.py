@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import units
-from solver.names import CHOICES, MATERIALS
+from solver.names import CHOICES, HEIGHT_MAP, MATERIALS
 from workflow.cli.textfile import (
     LONGEST_CELL,
     Sheet,
@@ -39,7 +39,7 @@ _MOST_CASES = 1_000_000
 _MOST_LINES = 4 * _MOST_CASES  # blank ones among them
 
 #: Factors whose values are names.
-TEXT_FACTORS = (*MATERIALS, *CHOICES)
+TEXT_FACTORS = (*MATERIALS, *CHOICES, HEIGHT_MAP)
 _COLUMNS = (*TEXT_FACTORS, *FACTORS)
 
 

@@ -104,11 +104,13 @@ def test_sliding_sphere_loses_load_and_charge_to_the_second_order() -> None:
     np.testing.assert_allclose(fast.force, [0.6 * fast.force[2], 0, fast.force[2]])
 
 
-def test_ball_on_a_film_in_air_has_the_quantities_of_the_point() -> None:
-    point = solver.solve({
-        "body": solver.Stack([solver.Layer("PZT-4", 1e-4)]), "profile": "sphere", "radius": 5e-3, "force": 4.0,
-    })  # fmt: skip
-    contact = solve_contact(FILM, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, companions=True)
+@pytest.mark.parametrize("thickness", [None, 1e-4])
+def test_ball_in_air_has_the_quantities_of_the_point(thickness: float | None) -> None:
+    layer = {"body": solver.Stack([solver.Layer("PZT-4", thickness or 1.0)])}
+    punch = {"profile": "sphere", "radius": 5e-3, "force": 4.0, "surroundings": "air"}
+    point = solver.solve(({"material": "PZT-4"} if thickness is None else layer) | punch)
+    body = PZT if thickness is None else FILM
+    contact = solve_contact(body, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, companions=True, cells=128)
     values = quantities(contact)
     # charge at the edge, over single cells, decides voltages and capacitances
     bounds = {
@@ -186,6 +188,8 @@ def test_tilted_roller_presses_harder_at_one_end() -> None:
     )
     assert abs(straight.moments[0]) < 1e-3 * 50 * 1e-3
     assert tilted_roller.moments[0] > 50 * 2e-5  # its lowest point lies at negative y
+    floating = solve_contact(FILM, Roller(5e-3, 2e-3, 0.5), force=1.0, charge=0.0, end=5e-3, cells=32)
+    assert floating.voltage < -1  # its contact is shorter than the roller, whose gap goes on beyond the window
     assert tilted_roller.peak_pressure > 1.05 * straight.peak_pressure
 
 

@@ -194,7 +194,11 @@ LEVELS_CHANGE = PAGE | TARGETS | LEARNED | {"slab", "batch", "card", "readout", 
 @pytest.mark.parametrize(
     ("section", "values", "expected"),
     [
-        ("design.sensor", {"title": "Another"}, PAGE | {"design", "target sensor", "figure_design sensor"}),
+        (
+            "design.sensor",
+            {"title": "Another"},
+            PAGE | {"design", "sensitivity", "target sensor", "figure_design sensor"},
+        ),
         ("validation", {"cases": 100}, {"report", "cases", "surface"}),
         ("validation", {"calibration": 100}, {"report", "calibration", "surface"}),
         ("factors.friction", {"levels": 6}, LEVELS_CHANGE),

@@ -1,0 +1,353 @@
+"""Cases of contacts in space: from their factors to bodies and shapes, solved one by one, and their maps."""
+
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass, replace
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import RegularGridInterpolator
+
+from solver.arrays import Array, shown
+from solver.face.body import Body
+from solver.face.cases import Cases
+from solver.face.factors import checked
+from solver.face.filmfactors import absent
+from solver.face.materials import material_of
+from solver.face.punches import elasticity_of
+from solver.face.refusal import CaseError, FactorError
+from solver.face.rows import Factors
+from solver.material.constants import ANY_SIZE, UNITS, Material
+from solver.material.cuts import of_family
+from solver.material.library import find
+from solver.names import BODY, HEIGHT_MAP, MAPS, PROFILES
+from solver.stack.layers import RIGID, Layer, Stack
+from solver.surface.contact import SurfaceContact, solve_contact
+from solver.surface.quantities import quantities
+from solver.surface.response import SurfaceBody, SurfaceError, SurfaceLayer
+from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, RoughSphere, Shape, sphere
+
+_LARGEST_MAP = 2**28  # bytes of a file of heights: 4096 x 4096 numbers of 16 characters
+_MECHANICAL = (
+    "contact_area", "contact_length_x", "contact_length_y", "peak_pressure", "depth", "friction_force_x",
+    "friction_force_y", "moment_x", "moment_y", "moment_z", "contact_stiffness", "relative_error",
+)  # fmt: skip
+
+
+class OnSurface(Body):
+    """Contacts in space on half-spaces and layers."""
+
+    @cached_property
+    def _contacts(self) -> list["_Contact"]:
+        return [_Contact(case) for case in _singles(self.cases)]
+
+    def quantities(self) -> dict[str, Array]:
+        """Quantities of ``solver.names.SPACE_QUANTITIES`` that every case has; (...)."""
+        return self._joined([contact.quantities() for contact in self._contacts])
+
+    def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
+        return self._joined([contact.along_x(positions) for contact in self._contacts])
+
+    def _joined(self, cases: Sequence[Mapping[str, Any]]) -> dict[str, Array]:
+        """Outputs that every case has, over the axes of the cases, then their own."""
+        names = [name for name in cases[0] if all(name in case for case in cases)]
+        stacked = {name: np.array([case[name] for case in cases]) for name in names}
+        return {name: values.reshape((*self.shape, *values.shape[1:])) for name, values in stacked.items()}
+
+    def peaks(self, requested: Set[str]) -> dict[str, Array]:
+        """Refused: no stresses inside are solved."""
+        raise FactorError("peaks: of a contact in space are not solved; the largest pressure is peak_pressure")
+
+    def curves(self, regions: Sequence[str]) -> dict[str, Array]:
+        """Refused: no stresses inside are solved."""
+        raise FactorError("curves: of a contact in space are not solved; solve_map has its surface")
+
+    def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
+        raise FactorError("fields: inside a contact in space are not solved; solve_map has its surface")
+
+    @property
+    def _lacks_c12(self) -> str | None:
+        return None  # refused when the tensor is made
+
+
+def solve_map(
+    factors: Factors,
+    *,
+    materials: Mapping[str, Material] = MappingProxyType({}),
+    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
+) -> xr.Dataset:
+    """Maps of the surface under one contact in space.
+
+    Parameters
+    ----------
+    factors, materials, phases
+        As for :func:`solver.solve`, of one case.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``solver.names.MAPS`` over ``x`` and ``y``, the middles of the cells [m] from the middle of the punch, SI units.
+
+    Raises
+    ------
+    FactorError
+        As :func:`solver.solve`; several cases; a contact along a line or at a point of revolution.
+    MaterialError
+        Unknown or inadmissible material.
+
+    Examples
+    --------
+    >>> egg = {"material": "PZT-4", "profile": "ellipsoid", "radius_x": "5 mm", "radius_y": "10 mm", "force": 1.0}
+    >>> pressed = solve_map(egg | {"grid_error": 0.01})
+    >>> pressed["contact_pressure"].dims, bool(pressed["contact_pressure"].max() > 1e8)
+    (('x', 'y'), True)
+    """
+    cases = Cases(checked(factors, materials), materials, phases)
+    if any(size != 1 for size in cases.sizes.values()):
+        raise FactorError(f"factors: several cases, over {', '.join(cases.sizes)}; a map is that of one")
+    (case,) = _singles(cases)
+    if not case.kind.space:
+        raise FactorError(
+            f"profile: of a {case.kind.name}; only contacts in space have a map, see solver.names.PROFILES"
+        )
+
+    def part(case: Cases) -> xr.Dataset:
+        contact = _Contact(case).charged
+        values = (contact.pressure, contact.electric_displacement, contact.gap, contact.weight)
+        maps = {
+            name: xr.Variable(("x", "y"), np.where(np.isfinite(map_), map_, np.nan), MAPS[name].attrs)
+            for name, map_ in zip(MAPS, values, strict=True)
+        }
+        axes = {
+            name: xr.Variable(name, axis, {"units": "m", "long_name": f"{name} from the middle of the punch"})
+            for name, axis in (("x", contact.x), ("y", contact.y))
+        }
+        return xr.Dataset(maps, case.coordinates | axes)
+
+    return case.solved("exact solution of a punch on a magneto-electro-elastic half-plane", part)
+
+
+def _singles(cases: Cases) -> Iterator[Cases]:
+    """Cases one by one, without dimensions, in the order of their axes."""
+    for place in np.ndindex(*cases.sizes.values()):
+        at = dict(zip(cases.sizes, place, strict=True))
+        arrays = {
+            name: array.isel({dim: at[str(dim)] for dim in array.dims}, drop=True)
+            for name, array in cases.arrays.items()
+        }
+        yield replace(cases, arrays=arrays)
+
+
+@dataclass(frozen=True, eq=False)
+class _Contact:
+    """One contact in space."""
+
+    case: Cases
+
+    def quantities(self) -> dict[str, float]:
+        """Quantities by name."""
+        out = quantities(self.charged)
+        if self._metallic:
+            return {name: out[name] for name in _MECHANICAL}
+        if self._stack is not None:
+            above = [bool(held) for held in self._stack.grounded].index(True) + 1 if any(self._stack.grounded) else None
+            thickness = sum(layer.thickness for layer in self._stack.layers[:above])
+            out["nominal_field"] = abs(out["voltage"]) / thickness
+        return {name: value for name, value in out.items() if name in self.case.kind.quantities}
+
+    def along_x(self, positions: Array) -> dict[str, Array]:
+        """Fields along x through the middle of the contact, at positions in half lengths; (position,)."""
+        contact = self.charged
+        covered = contact.weight > 0
+        x, y = (axis[np.any(covered, axis=1 - k)] for k, axis in enumerate((contact.x, contact.y)))
+        points = (x[0] + x[-1]) / 2 + positions * contact.lengths[0] / 2, np.full(positions.size, (y[0] + y[-1]) / 2)
+
+        def read(values: Array, beyond: float) -> Array:
+            grid = RegularGridInterpolator((contact.x, contact.y), values, bounds_error=False, fill_value=beyond)
+            return np.asarray(grid(np.stack(points, -1)))
+
+        return {
+            "contact_pressure": read(contact.pressure, 0.0),
+            "electric_displacement": read(contact.electric_displacement, np.nan),
+        }
+
+    @cached_property
+    def charged(self) -> SurfaceContact:
+        """Contact with its charge; on a metal, which takes every charge, at zero voltage."""
+        charge = float(self.case.number("total_charge"))
+        if not self._metallic:
+            return self._solved(charge=charge, companions=True)
+        if charge:
+            raise FactorError(f"total_charge: {charge:g} of a punch on a metal, which takes it; must be 0")
+        return self._solved(voltage=0.0)
+
+    def _solved(self, **control: Any) -> SurfaceContact:
+        case = self.case
+        try:
+            return solve_contact(
+                self._body,
+                self._shape,
+                force=float(case.force),
+                friction=float(case.number("friction")),
+                direction=float(case.number("sliding_direction")),
+                air=float(case.number("gap_permittivity")) if case.kind.air else None,
+                end=self._end,
+                punch=self._punch,
+                error=float(case.number("grid_error")),
+                **control,
+            )
+        except SurfaceError as error:
+            raise CaseError(str(error)) from None
+
+    @property
+    def _metallic(self) -> bool:
+        """True on a layer of metal, which shares no potential but zero with the punch."""
+        return self._stack is not None and self._stack.conductors[0]
+
+    @property
+    def _punch(self) -> tuple[float, float] | None:
+        modulus, poisson = (float(value) for value in elasticity_of(self.case))
+        return None if np.isinf(modulus) else (modulus, poisson)
+
+    @cached_property
+    def _stack(self) -> Stack | None:
+        """Layers of the case; None of a half-space."""
+        case, values = self.case, self.case.values
+        if BODY in values:
+            return values[BODY].item()  # type: ignore[no-any-return]
+        if not case.kind.layered:
+            return None
+        electric = None if absent(said := self._said("interface_electric")) else str(said)
+        material, cut = self._material
+        oriented = replace(material, cut=cut) if cut else material
+        base = self._said("base")
+        below: Material | str = RIGID
+        if absent(base):
+            below = Material.isotropic(values["base_modulus"], values["base_poisson"], name="base", any_size=True)
+        elif base != RIGID:
+            below = base if isinstance(base, Material) else find(str(base), case.materials)
+        return Stack([Layer(oriented, float(values["thickness"]), electric)], below)
+
+    def _said(self, name: str) -> object:
+        return self.case.values[name].item() if name in self.case.values else None
+
+    @property
+    def _material(self) -> tuple[Material, str]:
+        """Material of a case, and the cut that its factors name."""
+        case, which = self.case, self._said("material")
+        if which is None:
+            several = material_of(case)
+            constants: dict[str, Any] = {name: getattr(several, name).reshape(()) for name in UNITS}
+            material = Material(**constants, name=several.name, any_size=ANY_SIZE)
+        elif isinstance(which, str | Material):
+            material = which if isinstance(which, Material) else find(which, case.materials)
+        else:
+            raise FactorError(f"material: {shown(which)} is no material; give the name of one, or a Material")
+        family = self._said("cut")
+        cut = "" if absent(family) else of_family(str(family), float(case.number("cut_angle")))
+        material.check()
+        if cut and material.cut:
+            raise FactorError(f"cut: {cut!r} beside {material.name}, which has the cut {material.cut}")
+        return material, cut
+
+    @cached_property
+    def _body(self) -> SurfaceBody:
+        stack = self._stack
+        if stack is None:
+            material, cut = self._material
+            body = SurfaceBody((), material.stiffness_tensor(cut))
+        else:
+            if any(layer.graded for layer in stack.layers):
+                raise FactorError("body: a graded layer below a contact in space; only homogeneous layers are solved")
+            layers = [
+                SurfaceLayer(layer.material.stiffness_tensor(), layer.thickness, 2 in held, metal)
+                for layer, held, metal in zip(stack.layers, stack.grounded, stack.conductors, strict=False)
+            ]
+            base = None if isinstance(stack.base, str) else stack.base.stiffness_tensor()
+            body = SurfaceBody(layers, base, stack.conductors[-1])
+        if body.fields > 4 and self._said("magnetic") != "insulating":
+            raise FactorError(
+                "magnetic: conducting on a magnetic body in space; must be insulating: the punch has B = 0"
+            )
+        return body
+
+    @property
+    def _outline(self) -> tuple[str, dict[str, float]]:
+        """Profile of a case and its numbers."""
+        profile = str(self._said("profile"))
+        return profile, {name: float(self.case.number(name)) for name in PROFILES[profile].takes}
+
+    @cached_property
+    def _shape(self) -> Shape:
+        profile, size = self._outline
+        try:
+            if profile == "map":
+                return _map(self._said(HEIGHT_MAP), size["map_spacing"])
+            if profile == "roller":
+                crown = size["crown_radius"]
+                return Roller(size["radius"], size["length"], crown if crown > 0 else np.inf, size["tilt"])
+            if profile == "rough_sphere":
+                return RoughSphere(**size | {"realisation": int(size["realisation"])})
+            if profile == "ellipsoid":
+                return Ellipsoid(**size)
+            return {
+                "sphere": lambda: sphere(size["radius"]),
+                "cone": lambda: Cone(size["slope"]),
+                "disc": lambda: Disc(size["width"] / 2),
+            }[profile]()
+        except SurfaceError as error:
+            raise FactorError(str(error)) from None
+
+    @property
+    def _end(self) -> float:
+        """Distance at which the punch's gap ends [m]: of a ball its radius; infinite of a punch with ends."""
+        chosen = float(self.case.number("gap_radius"))
+        if chosen > 0:
+            return chosen
+        profile, size = self._outline
+        if profile == "ellipsoid":
+            return float(np.sqrt(size["radius_x"] * size["radius_y"]))
+        return size["radius"] if profile in ("sphere", "rough_sphere") else np.inf
+
+
+def _map(heights: object, spacing: float) -> Map:
+    """Height map of an array, or of a file: CSV with a line for each x, or one that SurfaceTopography reads."""
+    distance: Any = spacing
+    if isinstance(heights, str | Path):
+        heights, own = _read(Path(heights), spacing)
+        distance = spacing if spacing > 0 else own
+    if not np.all(np.asarray(distance) > 0):
+        raise FactorError("map_spacing: missing; must be a finite number > 0 [m]")
+    try:
+        values = np.asarray(heights, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise FactorError(f"{HEIGHT_MAP}: {shown(heights)} is no array of heights over x and y [m]") from None
+    return Map(values, distance)
+
+
+def _read(path: Path, spacing: float) -> tuple[Array, Any]:
+    """Heights of a file [m], and the distance between its points; 0 of a CSV."""
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise FactorError(f"{HEIGHT_MAP}: {path}: {error.strerror or error}") from None
+    if not path.is_file() or size > _LARGEST_MAP:
+        raise FactorError(f"{HEIGHT_MAP}: {path}: no file of at most {_LARGEST_MAP} bytes")
+    if path.suffix == ".csv":
+        try:
+            return np.loadtxt(path, delimiter=",", ndmin=2), 0.0
+        except (ValueError, UnicodeDecodeError) as error:
+            raise FactorError(f"{HEIGHT_MAP}: {path}: {str(error).splitlines()[0]}") from None
+    try:
+        topography = import_module("SurfaceTopography").read_topography(str(path)).to_unit("m")
+        return np.asarray(topography.heights()), tuple(topography.pixel_size)
+    except ImportError:
+        raise FactorError(
+            f"{HEIGHT_MAP}: {path}: no .csv; other files need the optional package SurfaceTopography"
+        ) from None
+    except Exception as error:  # whatever a reader of foreign files raises
+        raise FactorError(f"{HEIGHT_MAP}: {path}: {' '.join(str(error).split())[:200]}") from None

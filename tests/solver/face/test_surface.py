@@ -1,0 +1,145 @@
+"""Contacts in space by their names: kinds, quantities, maps, cuts and refusals."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solver
+from solver.body import KINDS, kind_of
+from solver.names import MAPS, SPACE_QUANTITIES
+
+Case = dict[str, Any]
+COARSE = {"grid_error": 0.03}  # two grids of 64 and 128 cells at most
+EGG: Case = {"material": "PZT-4", "profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 1e-2, "force": 1.0} | COARSE
+BALL: Case = {"material": "36Y LiNbO3", "profile": "sphere", "radius": 5e-3, "force": 1.0} | COARSE
+FILM: Case = {"thickness": 1e-4, "base": "rigid"}
+
+
+def test_every_kind_in_space_has_a_case() -> None:
+    kinds = [
+        kind_of(EGG, "ellipsoid", "insulated"), kind_of(EGG | FILM, "ellipsoid", "insulated"),
+        kind_of(EGG, "roller", "air"), kind_of(EGG | FILM, "map", "air"),
+    ]  # fmt: skip
+    assert {kind.name for kind in kinds} == {kind.name for kind in KINDS.values() if kind.space}
+    assert kind_of(["cut"], "sphere").space
+    assert kind_of([], "sphere", material="quartz").space
+    assert not kind_of([], "sphere", material="LiNbO3").space
+    assert not kind_of([], "sphere", material="no such thing").space
+
+
+def test_an_ellipsoid_on_a_half_space_has_the_charge_of_any_shape() -> None:
+    """The identity of half-spaces: charge per force is 250.104756 pC/N whatever the shape."""
+    out = solver.solve(EGG, positions=[0.0, 0.5, 2.0])
+    assert 1e12 * float(out["charge_per_force"]) == pytest.approx(250.104756, rel=2e-3)
+    assert set(out.data_vars) == {*SPACE_QUANTITIES, "contact_pressure", "electric_displacement"}
+    assert out["contact_area"].attrs["units"] == "m2"
+    assert float(out["relative_error"]) <= 0.03
+    assert out["surroundings"].item() == "air"
+    pressure = out["contact_pressure"].values
+    # Hertz: p(x) falls like the root of 1 - x^2; cells of a 64th of the window
+    assert pressure[1] / pressure[0] == pytest.approx(np.sqrt(0.75), rel=0.02)
+    assert pressure[2] == 0
+    assert float(out["contact_length_y"]) > 1.3 * float(out["contact_length_x"])
+
+
+def test_the_map_carries_the_force() -> None:
+    out = solver.solve_map(EGG)
+    assert list(out.data_vars) == list(MAPS)
+    cell = float(out.x[1] - out.x[0]) * float(out.y[1] - out.y[0])
+    assert float(out["contact_pressure"].sum()) * cell == pytest.approx(EGG["force"], rel=1e-3)
+    assert out["x"].attrs["units"] == "m"
+
+
+def test_cuts_by_name_by_factor_and_by_material_are_one_case() -> None:
+    named = float(solver.solve(BALL)["charge_per_force"])
+    turned = BALL | {"material": "LiNbO3", "cut": "rotated Y", "cut_angle": ["36 deg"]}
+    assert float(solver.solve(turned)["charge_per_force"].item()) == pytest.approx(named, rel=1e-9)
+    plain = solver.find("LiNbO3").plain() | {"name": "mine", "cut": [0, -54, 0]}
+    own = {"mine": solver.Material.from_mapping(plain)}
+    assert float(solver.solve(BALL | {"material": "mine"}, materials=own)["charge_per_force"]) == pytest.approx(
+        named, rel=1e-9
+    )
+    # theory: 15.92 pC/N within its 0.1 %, and the grid's error
+    assert 1e12 * abs(named) == pytest.approx(15.92, rel=0.02)
+
+
+def test_a_table_of_kinds_is_solved_row_by_row() -> None:
+    rows = [BALL, {"material": "PZT-4", "profile": "sphere", "radius": 5e-3, "force": 1.0}]
+    out = solver.solve(rows)
+    assert np.isnan(out["contact_area"].values).tolist() == [False, True]
+    assert np.isnan(out["contact_radius"].values).tolist() == [True, False]
+
+
+def test_steel_couples_nothing_and_a_stack_of_cuts_is_solved() -> None:
+    steel = solver.solve(EGG | {"material": "steel"})
+    assert abs(float(steel["charge_per_force"])) < 1e-20
+    stack = solver.Stack([solver.Layer("36Y LiNbO3", 1e-4), solver.Layer("copper", 1e-5)], "silicon")
+    out = solver.solve({"body": stack, "profile": "sphere", "radius": 5e-3, "force": 1.0} | COARSE)
+    assert float(out["nominal_field"]) == pytest.approx(abs(float(out["voltage"])) / 1e-4, rel=1e-12)
+
+
+def heights(count: int = 81) -> np.ndarray[Any, Any]:
+    x = np.linspace(-1e-4, 1e-4, count)
+    return np.asarray((x[:, None] ** 2 + x**2) / 1e-2)
+
+
+def test_a_height_map_of_a_ball_is_the_ball(tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "ball.csv", heights(), delimiter=",")
+    case = {"material": "PZT-4", "profile": "map", "map_spacing": 2.5e-6, "force": 1.0} | COARSE
+    file = solver.solve(case | {"height_map": str(tmp_path / "ball.csv")})
+    array = solver.solve(case | {"height_map": heights()})
+    ball = solver.solve(EGG | {"radius_y": 5e-3})
+    assert float(file["depth"]) == float(array["depth"])
+    # the map ends, and with it the air beside the contact: what is measured at zero volts stays
+    for name in ("charge_per_force", "contact_stiffness"):
+        assert float(array[name]) == pytest.approx(float(ball[name]), rel=0.02), name
+
+
+WITH_NAN = heights()
+WITH_NAN[3, 4] = np.nan
+MAP: Case = {"material": "PZT-4", "profile": "map", "height_map": heights(), "map_spacing": 2.5e-6, "force": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        (MAP | {"height_map": WITH_NAN}, "heights: 1 points are not finite"),
+        (MAP | {"height_map": [[1.0]]}, r"heights: shape \(1, 1\)"),
+        (MAP | {"height_map": heights()[35:45, 35:45]}, "edge of the map"),
+        (MAP | {"height_map": heights(9), "map_spacing": 2.5e-5}, "too wide for a contact"),
+        (MAP | {"height_map": "none.csv"}, "height_map: none.csv: No such file"),
+        ({name: value for name, value in MAP.items() if name != "map_spacing"}, "map_spacing: missing"),
+        ({name: value for name, value in MAP.items() if name != "height_map"}, "height_map: missing"),
+        (BALL | {"surroundings": "insulated"}, "surroundings: insulated"),
+        (BALL | {"cut": "X"}, "cut: 'X' beside 36Y LiNbO3"),
+        (BALL | {"electric": "insulating"}, "electric: 'insulating' of a contact in space"),
+        (BALL | {"total_flux": 1.0}, "total_flux: 1 of a contact in space"),
+        (BALL | FILM | {"touch_temperature": 300.0, "hold": 1.0}, "touch_temperature: 300 of a contact in space"),
+        (BALL | FILM | {"collector": 1.0}, "collector: 1 of a contact in space"),
+        (EGG | {"cut": "tilt"}, "cut_angle: missing"),
+        (EGG | {"cut_angle": 0.1}, "cut: missing"),
+        (EGG | {"cut": "tilt", "cut_angle": 36}, r"cut_angle: 36 is not .* \[rad\]"),
+        (EGG | {"material": "CoFe2O4"}, "magnetic: conducting on a magnetic body"),
+        ({"material": "PZT-4", "radius": 0.05, "load": 1e4, "cut": "X"}, "cut: only contacts in space have it"),
+        ({"material": "PZT-4", "radius": 0.05, "load": 1e4, "grid_error": 0.01}, "grid_error: only contacts in space"),
+    ],
+)
+def test_what_is_not_there_is_refused_in_one_line(case: Case, words: str) -> None:
+    with pytest.raises((solver.FactorError, solver.MaterialError), match=words) as error:
+        solver.solve(case)
+    assert "\n" not in str(error.value)
+
+
+def test_fields_inside_curves_and_peaks_are_refused() -> None:
+    with pytest.raises(solver.FactorError, match="fields: inside a contact in space"):
+        solver.solve_interior(BALL, [0.0], [-1.0])
+    with pytest.raises(solver.FactorError, match="curves: of a contact in space"):
+        solver.solve_curves(BALL)
+    with pytest.raises(solver.FactorError, match="peaks: of a contact in space"):
+        solver.solve(BALL, peaks=["peak_von_mises"])
+    with pytest.raises(solver.FactorError, match="several cases"):
+        solver.solve_map(EGG | {"force": [1.0, 2.0]})
+    with pytest.raises(solver.FactorError, match="only contacts in space have a map"):
+        solver.solve_map({"material": "PZT-4", "radius": 0.05, "load": 1e4})
