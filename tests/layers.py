@@ -35,12 +35,13 @@ test_tutorials.py workflow/calculator/test_calculated.py
 DENSE = """
 solver/face/test_air.py solver/face/test_films.py solver/face/test_own_base.py solver/face/test_scans.py solver/line/
 solver/halfplane/test_precise.py solver/halfplane/test_interior.py solver/point/ solver/gap/ solver/heat/
-solver/test_contract.py solver/test_curves.py surrogate/test_contract.py surrogate/face/test_persistence.py
-surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/ surrogate/transforms/curves/ surrogate/use/
-test_examples.py test_numbers.py verification/ workflow/cli/test_learn.py workflow/dataset/ workflow/design/
-workflow/learning/ workflow/report/test_figures.py workflow/report/test_films.py workflow/report/test_firstscreen.py
-workflow/study/test_categories.py workflow/study/test_grouped.py workflow/study/test_layered.py
-workflow/study/test_points.py workflow/study/test_surroundings.py workflow/test_surroundings.py
+solver/surface/ solver/test_contract.py solver/test_curves.py surrogate/test_contract.py
+surrogate/face/test_persistence.py surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/
+surrogate/transforms/curves/ surrogate/use/ test_examples.py test_numbers.py verification/ workflow/cli/test_learn.py
+workflow/dataset/ workflow/design/ workflow/device/test_signal.py workflow/learning/ workflow/report/test_figures.py
+workflow/report/test_films.py workflow/report/test_firstscreen.py workflow/study/test_categories.py
+workflow/study/test_grouped.py workflow/study/test_layered.py workflow/study/test_points.py
+workflow/study/test_surroundings.py workflow/test_surroundings.py
 """
 
 #: Files of DENSE's folders that take moments.

@@ -87,7 +87,7 @@ def test_random_cases_that_are_refused_are_left_out_and_counted(study: Study) ->
     drawn = factorial.cases(study, "calibration")
     refused = holes.refused(drawn, ["case"])
     assert 0 < refused.sum() < 0.2 * 100
-    assert np.isfinite(drawn["depth"]).values.tolist() == (~refused).tolist()
+    assert np.isfinite(drawn["depth"].values).tolist() == (~refused).tolist()
     assert holes.reasons(drawn, ["case"]) == [REASON_GIVEN] * int(refused.sum())
 
 
