@@ -13,10 +13,10 @@ from approximation.summit import highest
 from solver.arrays import Array, ComplexArray
 from solver.curves import PRINCIPAL, REGIONS, VON_MISES
 from solver.fields import FIELDS
-from solver.gap.airline import State
+from solver.gap.airline import LineSolution
 from solver.gap.charges import FAR, NEAR, Charges, Spectrum, from_smaller
 from solver.gap.densities import Densities
-from solver.gap.quantities import states
+from solver.gap.quantities import solutions
 from solver.halfplane.curves import lines as region_lines
 from solver.halfplane.curves import named
 from solver.halfplane.interior import LINEAR
@@ -111,14 +111,14 @@ class AirTractions(Tractions):
 class Solved:
     """Tractions of a contact in air, solved again at its exact half-length."""
 
-    state: State
+    state: LineSolution
     points: Array
     intervals: int = NEAR
 
     @cached_property
     def system(self) -> System:
         """The contact's, its kernels as far as charges lie."""
-        operators = self.state.problem.table.operators
+        operators = self.state.operators
         wide, narrow = operators._wide, operators.system.kernel
         if wide is None:  # a half-plane's kernels are zero, up to the farthest point
             reach = self.state.half * (1 + float(np.max(np.abs(self.points))))
@@ -134,11 +134,10 @@ class Solved:
     @cached_property
     def exterior_charges(self) -> Charges:
         """Charges beside the contact."""
-        problem = self.state.problem
-        grid, unknowns = problem.table.operators.grid, np.zeros((2, 2, problem.table.operators.grid.count))
-        densities = self.state.densities / problem.powers[1]
-        for place, f in enumerate(problem.fields):
-            unknowns[:, f] = densities[place].reshape(-1, grid.count)  # one side is that of both
+        operators = self.state.operators
+        grid, unknowns = operators.grid, np.zeros((2, 2, operators.grid.count))
+        for f, densities in zip(operators.system.fields, self.state.over_size, strict=True):
+            unknowns[:, f] = densities.reshape(-1, grid.count)  # one side is that of both
         return Charges(grid, unknowns, self.intervals)
 
     @cached_property
@@ -152,7 +151,7 @@ class Solved:
 
     def carried(self, X: Array) -> Array:
         """du/dX of (y, phi, psi, x) at X that the kernels make of the charges beside the contact; (4, point)."""
-        operators = self.state.problem.table.operators
+        operators = self.state.operators
         result = np.zeros((4, X.size))
         if operators._wide is None:
             return result
@@ -170,7 +169,7 @@ class Solved:
         assembly, basis = self.assembly, self.assembly.basis
         sources = self.carried(basis.nodes)[:3] + assembly.at_nodes[0] @ self.drawn
         solutions = self.system.solve(basis, assembly.at_nodes, sources=sources[None, :, :, None])[0]
-        causes = self.state._causes[1][0]
+        causes = self.state.causes
         return np.asarray(solutions @ np.append(causes, 1.0))
 
     @property
@@ -184,7 +183,7 @@ class Solved:
         )  # fmt: skip
 
 
-def surface_fields(state: State, positions: Array) -> dict[str, Array]:
+def surface_fields(state: LineSolution, positions: Array) -> dict[str, Array]:
     """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
 
     positions: (position,), X.
@@ -217,7 +216,7 @@ _NOTHING = 1e-12  # of the mean pressure: a tension below it is none
 def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Array]:
     """Surface fields of `solver.fields.FIELDS` at X != +-1, finite; (case, position) each."""
     out = {name: np.empty((films.load.size, positions.size)) for name in FIELDS}
-    for place, state in states(films, permittivity):
+    for place, state in solutions(films, permittivity):
         result = surface_fields(state, positions)
         for name, values in out.items():
             values[place] = result[name][0]
@@ -228,8 +227,8 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
     """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x)."""
     out = np.empty((films.load.size, len(names), y.size, x.size))
     intervals = FAR if set(POTENTIALS) & set(names) else NEAR
-    for place, state in states(films, permittivity):
-        tractions, datum = Solved(state, _EDGES, intervals).tractions, state.problem.contact.datum
+    for place, state in solutions(films, permittivity):
+        tractions, datum = Solved(state, _EDGES, intervals).tractions, state.contact.datum
         for rows, columns in in_blocks(x, y):
             out[place, :, rows, columns] = fields_of(tractions, x[columns], y[rows], names, datum)[0]
     for number, name in enumerate(names):
@@ -251,7 +250,7 @@ def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[st
 def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
     """Requested quantities of ``solver.names.PEAKS`` of half-planes, treated as films of themselves; (case,) each."""
     out = {name: np.empty(films.load.size) for name in PEAKS if name in names}
-    for place, state in states(films, permittivity) if out else ():
+    for place, state in solutions(films, permittivity) if out else ():
         h = np.array([state.half])
         net = of_whole(films.kind.stack(), state.half, _BOTTOM, _FAR)
         tractions = _reaching(state, 1 + _FAR)
@@ -270,7 +269,7 @@ def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
     """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
     X, depth = region_lines()
     result: dict[str, list[Array]] = {}
-    for place, state in states(films, permittivity):
+    for place, state in solutions(films, permittivity):
         half = np.array([state.half]) * films.thickness[place]
         stresses = Interior(_reaching(state, float(np.max(np.abs(X))))).fields(X[None], -depth[None], LINEAR[:4])
         panels = REGIONS["body"].panels
@@ -284,18 +283,18 @@ def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
     return {name: np.concatenate(values) for name, values in result.items()}
 
 
-def _reaching(state: State, farthest: float) -> AirTractions:
+def _reaching(state: LineSolution, farthest: float) -> AirTractions:
     """Tractions of a contact for fields up to X of a size."""
     return replace(Solved(state, _EDGES).tractions, widest=(1 + farthest) * state.half)
 
 
 def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTable, FilmContact]]:
     """Cases with the stresses below them, one at a time."""
-    for place, state in states(films, permittivity):
+    for place, state in solutions(films, permittivity):
         half = np.array([state.half])
         film.require_depth(films.kind, half)
-        table = replace(state.problem.contact.table, lower=state.half, upper=state.half)
-        c = state.problem.contact
+        table = replace(state.contact.table, lower=state.half, upper=state.half)
+        c = state.contact
         extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
         yield np.array([place]), AirPeaks(table, state), extent
 
@@ -317,7 +316,7 @@ class Extent(FilmContact):
 class AirPeaks(PeakTable):
     """Stresses below one contact, on the nets of its very half-length."""
 
-    state: State
+    state: LineSolution
     outer: ClassVar[int] = 2  # each costs four times as many wavenumbers as the one before
 
     def _series(self, net: Net, names: tuple[str, ...]) -> Array:

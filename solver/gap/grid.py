@@ -368,19 +368,20 @@ def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
 _SAMPLES = 129  # of a panel
 
 
-def peak_of_panels(values: Array) -> float:
-    """Largest absolute value of polynomials by their values at Gauss's nodes; (panel, node)."""
-    count = values.shape[1]
-    nodes = np.polynomial.legendre.leggauss(count)[0]
-    series = np.linalg.solve(np.polynomial.legendre.legvander(nodes, count - 1), values.T)
-    return _top(np.polynomial.legendre.legval(np.linspace(-1, 1, _SAMPLES), series))
-
-
-def _top(samples: Array) -> float:
-    """Largest absolute value of curves by samples at even distances, between them by parabolas; (curve, sample)."""
-    sizes = np.abs(samples)
-    before, middle, after = sizes[:, :-2], sizes[:, 1:-1], sizes[:, 2:]
+def peak_of_panels(values: Array) -> Array:
+    """Largest absolute values of polynomials by their values at Gauss's nodes; (case, panel, node) to (case,)."""
+    samples = np.abs(values @ _resampled(values.shape[-1]))
+    before, middle, after = samples[..., :-2], samples[..., 1:-1], samples[..., 2:]
+    # between samples by parabolas
     top = (middle >= before) & (middle >= after)
     bend = np.where(top, before - 2 * middle + after, -1.0)
-    rise = (after - before)[top] ** 2 / (-8 * np.where(bend < 0, bend, -1.0)[top])
-    return float(max(np.max(sizes), np.max(middle[top] + rise, initial=0.0)))
+    rise = np.where(top, (after - before) ** 2 / (-8 * np.where(bend < 0, bend, -1.0)), 0.0)
+    return np.asarray(np.maximum(np.max(samples, (-2, -1)), np.max(middle + rise, (-2, -1))))
+
+
+@cache
+def _resampled(count: int) -> Array:
+    """Matrix from values at Gauss's nodes to those at even distances; (node, sample)."""
+    to_series = np.linalg.inv(np.polynomial.legendre.legvander(_legendre(count)[0], count - 1))
+    samples = np.polynomial.legendre.legvander(np.linspace(-1, 1, _SAMPLES), count - 1)
+    return np.asarray((samples @ to_series).T)

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.chebyshev import gauss_points, interpolation
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array
 from solver.gap.densities import enough, far, sampled
 from solver.gap.grid import CLOSE, GROWING, LEVEL, Grid, gauss
+from solver.gap.newton import Outputs
 from solver.gap.refusal import GapError
 from solver.line import outputs
 from solver.line.assembly import Assembly, mixing
@@ -324,8 +325,6 @@ def _flat(values: Array) -> Array:
 
 #: Rows before those beside the contact: load, balance, displacements.
 SOLVING: int = DISPLACEMENT.stop
-_TERMS = 4  # of Taylor's series about a half-length
-_NEXT = 1e-3  # of log h: its fourth power over the resolution of the tables is below rounding
 
 _LARGEST = 0.5e9  # bytes of a table, of which some copies exist while it is made; usual ones take 0.01 to 0.2 GB
 
@@ -347,8 +346,8 @@ class AirTable:
         return Operators(system, grid_of(system, self.table.lower, self.table.upper, self.farthest), even)
 
     @cached_property
-    def _parts(self) -> tuple[Array, Array]:
-        """Outputs at the half-lengths: rows that the equations need, and the others; (node, row, column) each."""
+    def _parts(self) -> tuple[Outputs, Outputs]:
+        """Outputs at the half-lengths: rows that the equations need, and the others."""
         operators = self.operators
         size = (
             8.0
@@ -361,36 +360,36 @@ class AirTable:
                 "surroundings: charges spread so far beside the contact that their table would take "
                 f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
             )
-        values = operators.matrices(self.table.half_lengths)
-        solving = self._solving
-        return np.ascontiguousarray(values[:, solving]), np.ascontiguousarray(values[:, ~solving])
+        values, interval = operators.matrices(self.table.half_lengths), self.table.interval
+        solving = np.zeros(operators.rows, dtype=bool)
+        solving[:SOLVING] = solving[FIRST : operators.rows - ANGLES.size * len(operators.system.fields)] = True
+        return (
+            Outputs(np.ascontiguousarray(values[:, solving]), interval, clipped=True),
+            Outputs(np.ascontiguousarray(values[:, ~solving]), interval, clipped=True),
+        )
 
     @property
-    def _solving(self) -> BoolArray:
-        """Mark the rows that the equations need; (row,)."""
+    def solving(self) -> Outputs:
+        """Rows that the equations need."""
+        return self._parts[0]
+
+    @property
+    def others(self) -> Outputs:
+        """Edge stresses, pressures over their weight, densities at ``ANGLES`` by field."""
+        return self._parts[1]
+
+    @cached_property
+    def powers(self) -> Array:
+        """Integrals of X^m from the edge to the nodes of the unknown densities; (n, degree + 1)."""
         operators = self.operators
-        needed: BoolArray = np.zeros(operators.rows, dtype=bool)
-        needed[:SOLVING] = needed[FIRST : FIRST + operators.density_nodes * (1 + len(operators.system.fields))] = True
-        return needed
+        m = np.arange(1, operators.system.degree + 2)
+        risen = np.expm1(m * np.log1p(2 * np.sinh(operators.grid.theta / 2) ** 2)[:, None]) / m
+        return np.concatenate([risen, (-1.0) ** m * risen])[: operators.density_nodes]
 
-    def near(self, log_half: float) -> "Near":
-        """Rows that the equations need about log h."""
-        terms = np.tensordot(self._weights(log_half, _TERMS), self._parts[0], 1)
-        return Near(log_half, terms)
-
-    def outputs(self, log_half: float, columns: Array) -> Array:
-        """All rows at log h, of the sum of causes and densities times ``columns``; (row,).
-
-        columns: (column,), sizes of causes and densities.
-        """
-        weights, result = self._weights(log_half, 1)[0], np.empty(self.operators.rows)
-        for part, rows in zip(self._parts, (self._solving, ~self._solving), strict=True):
-            result[rows] = weights @ (part @ columns)
-        return result
-
-    def _weights(self, log_half: float, count: int) -> Array:
-        """Matrix from values at the half-lengths to Taylor coefficients in log h; (count, node)."""
-        return np.asarray(self.table.interval.polynomials(np.array([log_half]))[0] @ self.table.interval.taylor(count))
+    @cached_property
+    def size(self) -> Array:
+        """Densities over the unknowns at the nodes; (n,)."""
+        return np.tile(self.operators.grid.size, self.operators.sides)
 
 
 def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
@@ -401,53 +400,26 @@ def grid_of(system: System, shortest: float, longest: float, farthest: float = 0
     return Grid.up_to(distance, GROWING if growing else LEVEL)
 
 
-def farthest(contact: FilmContact, permittivity: Array) -> float:
-    """X as far as which charges beside a contact are not yet those of the open gap: 0 or a power of four.
+def farthest(contact: FilmContact, permittivity: Array) -> Array:
+    """X as far as which charges beside contacts are not yet those of the open gap: 0 or powers of four; (case,).
 
     Over a film they are from where the gap lets pass less than the film, D = eps0 V/(g + eps0 thickness/eps): the last
     panel, whose terms are powers of 1/X, begins at ten times that distance, which makes 1e-6 of the charges. Over a
     base whose potential grows it is where the gap is x eps0/eps, and the panel has the logarithms of that.
+
+    permittivity: (case, 2), of what fills the gaps.
     """
     system, scale = contact.table.system, contact.scale
-    stack, powers = system.kernel.stack, [(i, abs(float(c))) for i, c in enumerate(contact.loading.slope[0]) if i and c]
-    below, reach = np.diagonal(low(stack)), 0.0
+    stack, slope = system.kernel.stack, np.abs(contact.loading.slope[:, 1:])
+    below, reach = np.diagonal(low(stack)), np.zeros(len(slope))
+    order = 1 + np.arange(slope.shape[1])
+    steep = np.where(slope > 0, slope, np.nan)  # powers that the profile has
     for f in system.fields:
-        medium = float(permittivity[f] * scale[2 + f] ** 2 / scale[1])
+        medium = (permittivity[:, f] * scale[2 + f] ** 2 / scale[1])[:, None]
         film = medium * abs(float(system.coefficients.compliance[1 + f, 1 + f])) * stack.thickness
         base = medium * abs(float(below[2 + f]))
-        reach = max(reach, _MARGIN * min(((i + 1) * film / c) ** (1 / (i + 1)) for i, c in powers))
-        reach = max(reach, _MARGIN_OF_BASE * min(((i + 1) * base / c) ** (1 / i) for i, c in powers))
-    needed = reach / float(contact.half_width[0])
-    return float(4.0 ** np.ceil(np.log(needed) / np.log(4.0))) if needed > 1 else 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Near:
-    """Rows that the equations need, by Taylor's series about one half-length."""
-
-    centre: float
-    terms: Array
-
-    def holds(self, log_half: float) -> bool:
-        """Return True if log h is within the range of the Taylor series."""
-        return abs(log_half - self.centre) <= _NEXT
-
-    def matrix(self, log_half: float, rows: slice = slice(None)) -> Array:
-        """Some rows, or all; (row, column)."""
-        terms = self._terms(log_half)
-        powers = (log_half - self.centre) ** np.arange(len(terms))
-        part = terms[:, rows]
-        return part[0] if log_half == self.centre else np.asarray(np.tensordot(powers, part, 1))
-
-    def products(self, log_half: float, columns: Array) -> tuple[Array, Array]:
-        """Rows times columns, and their derivatives in log h; (row,) each.
-
-        columns: (column,), sizes of causes and densities.
-        """
-        series, change = self._terms(log_half) @ columns, log_half - self.centre
-        k = np.arange(len(series))
-        return change**k @ series, (k[1:] * change ** k[:-1]) @ series[1:]
-
-    def _terms(self, log_half: float) -> Array:
-        """Taylor terms that matter: two if the next one is below rounding."""
-        return self.terms[:2] if abs(log_half - self.centre) < _NEXT**3 else self.terms
+        over_film = np.nanmin(((order + 1) * film / steep) ** (1 / (order + 1)), 1)
+        over_base = np.nanmin(((order + 1) * base / steep) ** (1 / order), 1)
+        reach = np.maximum(reach, np.maximum(_MARGIN * over_film, _MARGIN_OF_BASE * over_base))
+    needed = reach / contact.half_width
+    return np.where(needed > 1, 4.0 ** np.ceil(np.log(np.maximum(needed, 1.0)) / np.log(4.0)), 0.0)

@@ -1,17 +1,20 @@
 """Every quantity of point contacts with air beside them by its name (points, 6)."""
 
 from collections.abc import Iterator, Set
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache, cached_property
 
 import numpy as np
 
-from solver.arrays import Array
+from approximation.arrays import Indices
+from solver.arrays import Array, BoolArray, joined
 from solver.cache import cached
-from solver.gap.airpoint import AirPoint, PointState
+from solver.gap.airpoint import PointSolution, PointStates
 from solver.gap.grid import peak_of_panels
+from solver.gap.newton import Frame, Settled, continued, settled, together
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
-from solver.gap.ringoperators import WITHIN, RingOperators, RingsByRadius, RingsOnHalfSpace, RingWindows
+from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, RingWindows
 from solver.gap.rings import reach_of, rings
 from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
 from solver.halfplane.potentials import POTENTIALS
@@ -29,13 +32,13 @@ from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
 
 _REACH = "reach"  # among the quantities of a case: of the gap's field
+#: Cases that share a table, with their solutions.
+_Group = tuple[Indices, Settled[PointStates]]
 
 
 @cached
-def _on_half_space(
-    compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape, reach: float
-) -> RingsOnHalfSpace:
-    return RingsOnHalfSpace(RingOperators(rings(reach), fields, np.reshape(compliance, (3, 3)), shape))
+def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape: Shape, reach: float) -> RingTable:
+    return RingTable(RingOperators(rings(reach), fields, np.reshape(compliance, (3, 3)), shape))
 
 
 def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | None = None) -> dict[str, Array]:
@@ -45,169 +48,245 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
     """
     if rim is not None and isinstance(pressed.body, Film):
         require_thin(pressed.body.kind.film.stack())
-    ratio = pressed.charged.radius / pressed.length
-    # those of like radius share tables
-    by_radius = sorted(_cases(pressed, permittivity, end), key=lambda pair: float(ratio[pair[0].place]))
-    cases = [_of_case(case, contacts, rim) for case, contacts in by_radius]
-    warn_of_charges(max(case.pop(_REACH, 0.0) for case in cases))
-    names = [name for name in cases[0] if all(name in case for case in cases)]
-    back = np.argsort([case.place for case, _ in by_radius])
-    return {name: np.array([case[name] for case in cases])[back] for name in names}
+    points, count = AirPoints(pressed, permittivity, end), pressed.force.size
+    charged, nothing = points.solved(pressed.charged), np.zeros((count, 2))
+    is_charged = bool(np.any(pressed.charged.pressed.charges))
+    idle = points.solved(pressed.uncharged, nothing) if is_charged else charged
+    parts = [(places, points.of_contacts(places, result, rim)) for places, result in charged]
+    whole = joined(parts, count)
+    whole |= joined([(places, points.of_uncharged(places, result)) for places, result in idle], count)
+    whole |= joined(
+        [(places, points.of_grounded(places, result)) for group in idle for places, result in points.grounded(*group)],
+        count,
+    )
+    warn_of_charges(float(np.max(whole.pop(_REACH, nothing))))
+    return whole
 
 
-def solved(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple["Case", PointState, RingOperators]]:
-    """Yield every case with its solution and operators; arguments and refusals of :func:`quantities`."""
-    for case, contacts in _cases(pressed, permittivity, end):
-        state = case.charged(contacts)
-        yield case, state, case.operators(state.radius).exact
+@dataclass(frozen=True, eq=False)
+class AirPoints:
+    """Cases of a body, solved under any charges or at zero potentials."""
 
+    pressed: Pressed
+    permittivity: Array  # Relative one of what fills the gaps; (case,)
+    end: Array  # Where the gaps end [m]; (case,)
 
-class Case:
-    """One case of a body: its units, and its contacts under any charges or potentials."""
-
-    def __init__(
-        self, pressed: Pressed, windows: RingWindows | None, place: int, fields: tuple[int, ...],
-        permittivity: float, end: float, reach: float,
-    ) -> None:  # fmt: skip
-        body = pressed.body
-        self.body, self.fields, self._pressed, self.place = body, fields, pressed, place
-        self._windows = windows
-        self.units = pressed.units[place]
-        self.layered = isinstance(body, Film)
-        self.length = float(body.thickness[place]) if isinstance(body, Film) else 1.0
-        e = body.shape.exponent
-        self._coefficient = float(pressed.coefficient[place] / self.units[0] * self.length ** (e - 1))
-        self._force = float(pressed.force[place] * self.units[0] / self.length**2)
-        vacuum = np.array([VACUUM_PERMITTIVITY * permittivity, VACUUM_PERMEABILITY])
-        self.permittivity = vacuum
-        self._media = (vacuum * self.units[1:] ** 2 / self.units[0])[list(fields)]
-        self._end, self._reach = end / self.length, reach
+    def __post_init__(self) -> None:
+        """Refuse contacts that cannot have air beside them."""
+        require(lacking_at_point(self.pressed.body, self._conducts))
 
     @property
-    def charge_units(self) -> Array:
-        """Units of the charges of the fields [C, Wb]; (field,)."""
-        return np.asarray(self.length**2 / self.units[[1 + f for f in self.fields]])
+    def _conducts(self) -> BoolArray:
+        return np.broadcast_to(self.pressed.conducts, (self.pressed.force.size, 2))
 
-    def charged(self, contacts: dict[str, PointContact]) -> PointState:
-        """With its own charges."""
-        start = contacts["charged"]
-        return self.state(start.pressed.charges[self.place], False, float(start.radius[self.place]))
+    @cached_property
+    def length(self) -> Array:
+        """Length of the body, the thickness of a film [m]; (case,)."""
+        body, count = self.pressed.body, self.pressed.force.size
+        return np.broadcast_to(body.thickness if isinstance(body, Film) else 1.0, (count,))
 
-    def slid(self, state: PointState) -> SlidingPoint | None:
-        """First order of a solution in friction; None if the case has no friction."""
-        friction = self._pressed.friction
+    @cached_property
+    def medium(self) -> Array:
+        """Permittivity and permeability of what fills the gaps; (case, 2)."""
+        return np.stack(np.broadcast_arrays(VACUUM_PERMITTIVITY * self.permittivity, VACUUM_PERMEABILITY), 1)
+
+    @cached_property
+    def _reaches(self) -> Array:
+        contacts = self.pressed.charged, self.pressed.uncharged, self.pressed.grounded
+        radii = np.min([contact.radius for contact in contacts], 0)
+        return np.array([reach_of(*pair) for pair in zip(radii.tolist(), self.end.tolist(), strict=True)])
+
+    @cached_property
+    def _windows(self) -> RingWindows | None:
+        body, contacts = self.pressed.body, (self.pressed.charged, self.pressed.uncharged, self.pressed.grounded)
+        if not isinstance(body, Film):
+            return None
+        return RingWindows.of(body.kind, np.concatenate([contact.radius / body.thickness for contact in contacts]))
+
+    def _table(self, place: int, ratio: float, *, wide: bool = False) -> RingTable:
+        """Operators of a case near a radius, or over a wider range."""
+        body, reach = self.pressed.body, float(self._reaches[place])
+        if self._windows is not None:
+            return self._windows.table(ratio, reach, wide=wide)
+        assert isinstance(body, HalfSpace)
+        fields = tuple(np.flatnonzero(self._conducts[place]).tolist())
+        return _on_half_space(tuple(body.compliance[place].ravel().tolist()), fields, body.shape, reach)
+
+    def _states(self, places: Indices, table: RingTable, radius: Array, charges: Array | None) -> PointStates:
+        """Contacts without air; charges (case, 2) [C, Wb], None: those that make the potentials zero."""
+        length, units = self.length[places], self.pressed.units[places]
+        fields, e = list(table.exact.fields), table.exact.shape.exponent
+        unknowns = np.zeros((places.size, 1 + len(fields) + 1 + len(fields) * table.exact.rows.nodes))
+        unknowns[:, 0] = np.log(radius)
+        of_fields = units[:, [1 + f for f in fields]]
+        prescribed = np.zeros_like(of_fields)
+        if charges is not None:
+            prescribed = charges[places][:, fields] * of_fields / length[:, None] ** 2
+        rows = table.exact.rows
+        frame = Frame(
+            table.exterior, rows.raised, table.exact.fields, table.exact.rings.grid.distance, 1, 1, 2, "force", "r/a"
+        )
+        return PointStates(
+            frame, unknowns, (charges is None,) * len(fields), table,
+            self.pressed.coefficient[places] / units[:, 0] * length ** (e - 1),
+            self.pressed.force[places] * units[:, 0] / length**2, prescribed,
+            self.medium[places][:, fields] * of_fields**2 / units[:, :1], self.end[places] / length,
+        )  # fmt: skip
+
+    def solved(self, contact: PointContact, charges: Array | None = None) -> list[_Group]:
+        """Solutions with charges [C, Wb], from contacts without air on; by default with the charges of these."""
+        charges = contact.pressed.charges if charges is None else charges
+        ratio, groups = contact.radius / self.length, list[_Group]()
+        by_table: dict[int, tuple[RingTable, list[int]]] = {}
+        for place in np.argsort(ratio, kind="stable").tolist():  # those of like radius share tables
+            table = self._table(place, float(ratio[place]))
+            by_table.setdefault(id(table), (table, []))[1].append(place)
+        for table, alike in by_table.values():
+            count = together(self._states(np.array(alike[:1]), table, ratio[alike[:1]], charges))
+            for start in range(0, len(alike), count):
+                places = np.array(alike[start : start + count])
+                states = self._states(places, table, ratio[places], charges)
+                result = settled(states, _parameters(states))
+                groups += self._within(places, result, ratio[places], charges)
+        return groups
+
+    def grounded(self, places: Indices, idle: Settled[PointStates]) -> list[_Group]:
+        """Solutions at zero potentials, from those without charges on."""
+        states = self._states(places, idle.states.table, idle.states.radius, None)
+        return self._within(places, continued(states, idle), idle.states.radius, None)
+
+    def _within(
+        self, places: Indices, result: Settled[PointStates], start: Array, charges: Array | None
+    ) -> list[_Group]:
+        """Solutions, those that leave the range of their table solved again by wider ones."""
+        inside = result.valid & result.states.table.holds(result.states.unknowns[:, 0])
+        groups = [(places[inside], result.part(np.flatnonzero(inside)))] if np.any(inside) else []
+        for case in np.flatnonzero(~inside).tolist():
+            alone, radius, again = places[[case]], start[[case]], None
+            for _ in range(LAST - FIRST):
+                table = self._table(int(alone[0]), float(radius[0]), wide=True)
+                states = self._states(alone, table, radius, charges)
+                again = (settled(states, _parameters(states)) if again is None else continued(states, again)).require()
+                radius = again.states.radius
+                if np.all(table.holds(np.log(radius))):
+                    break
+            assert again is not None
+            groups.append((alone, again))
+        return groups
+
+    # -- quantities ----------------------------------------------------------------------------------------------------
+    def _units(self, places: Indices, states: PointStates) -> Array:
+        """Units of (y, phi, psi) of the channels; (case, channel)."""
+        return self.pressed.units[places][:, states.layout.channels]
+
+    def _compliance(self, places: Indices, result: Settled[PointStates]) -> Array:
+        """-d (-depth, V, Psi) / d (P, T, J) of the channels, SI; (case, channel, channel)."""
+        units = self._units(places, result.states)
+        return -result.tangents * units[..., None] * units[:, None] / self.length[places][:, None, None]
+
+    def of_uncharged(self, places: Indices, result: Settled[PointStates]) -> dict[str, Array]:
+        """Potentials per force; (case,) each."""
+        compliance = self._compliance(places, result)
+        return {RESPONSES[field][1]: -compliance[:, 1 + row, 0] for row, field in enumerate(result.states.frame.fields)}
+
+    def of_grounded(self, places: Indices, result: Settled[PointStates]) -> dict[str, Array]:
+        """Charges per force; (case,) each."""
+        loads = result.states.loads / self._units(places, result.states)
+        share = loads / loads[:, :1]
+        return {RESPONSES[field][2]: share[:, 1 + row] for row, field in enumerate(result.states.frame.fields)}
+
+    def of_contacts(self, places: Indices, result: Settled[PointStates], rim: Rim | None) -> dict[str, Array]:
+        """Quantities of contacts with their charges; (case,) each."""
+        states, units, length = result.states, self._units(places, result.states), self.length[places]
+        port, displacement = Stiffness.of(self._compliance(places, result)), states.response.values * units
+        size, bounded = states.size / states.radius, finite(states.operators.shape)
+        inside = states.table.inside.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+        slid = [self.slid(*pair) for pair in _solutions(places, states)]
+        sliding = [solution for solution in slid if solution is not None]
+        out = {
+            "contact_radius": length * states.radius,
+            "depth": -displacement[:, 0] * length,
+            "contact_stiffness": port.closed,
+            "contact_stiffness_open": port.open,
+        }
+        if bounded:
+            out["peak_pressure"] = largest_within(slid, None, _peak_pressure(inside)) * size / units[:, 0]
+        if sliding:
+            out["contact_offset"] = np.array([solution.shift for solution in sliding]) * out["contact_radius"]
+            out[_REACH] = np.array([solution.reach for solution in sliding])
+            if rim is not None:
+                out["trailing_tension"] = np.array([
+                    trailing_tension(solution, rim.part(place), self.pressed.body, self.pressed.units[place])
+                    for place, solution in zip(places.tolist(), sliding, strict=True)
+                ])  # fmt: skip
+        fixed = np.linalg.inv(result.at_fixed_contact[:, 1:])
+        for row, field in enumerate(states.frame.fields):
+            j, names, density = 1 + row, RESPONSES[field], size / units[:, 1 + row]
+            out[names[0]] = displacement[:, j] * length
+            out[names[3]], out[names[4]] = port.stroke(j), port.blocked_force(j)
+            out[names[5]] = fixed[:, row, row] * length / units[:, j] ** 2
+            if field == 0:
+                out["capacitance_at_force"] = port.capacitance(j)
+                out["gap_field"] = largest_beside(states, slid, row, gap=True) * density / self.medium[places, 0]
+                if bounded:
+                    within = largest_within(slid, field, _peak_within(inside, row))
+                    out["peak_displacement"] = (
+                        np.maximum(within, largest_beside(states, slid, row, gap=False)) * density
+                    )
+        return out
+
+    def slid(self, place: int, solution: PointSolution) -> SlidingPoint | None:
+        """First order of a solution in friction; None if the cases have no friction."""
+        friction, body = self.pressed.friction, self.pressed.body
         if friction is None:
             return None
-        layers = shear_kernel(self.body.kind.film.stack()) if isinstance(self.body, Film) else None
-        on = SolvedPoint(state, self.operators(state.radius).exact)
-        return SlidingPoint(on, float(friction.coefficient[self.place]), friction.coupling[self.place], layers)
-
-    def state(self, charges: Array, held: bool, start: float, near: PointState | None = None) -> PointState:
-        """With charges [C, Wb], or with all potentials at zero, from a radius [m] or from another state on.
-
-        charges: (2,), C and Wb.
-        """
-        prescribed = np.zeros(len(self.fields)) if held else charges[list(self.fields)] / self.charge_units
-        radius, begin = (start / self.length, None) if near is None else (near.radius, near.unknowns)
-        problem = AirPoint(self.operators(radius), self._coefficient, self._force, prescribed,
-                           (held,) * len(self.fields), self._media, self._end, radius, begin)  # fmt: skip
-        if result := problem.within:
-            return result
-        for _ in range(LAST - FIRST):
-            problem = replace(problem, operators=self.operators(radius, wide=True), start=radius, near=begin)
-            state = problem.state
-            if problem.operators.holds(np.log(state.radius)):
-                break
-            radius, begin = state.radius, state.unknowns
-        return state
-
-    def operators(self, ratio: float, *, wide: bool = False) -> RingsByRadius:
-        """Operators near a radius, or over a wider range."""
-        if self._windows is not None:
-            return (self._windows.wide if wide else self._windows.narrow)(ratio, self._reach)
-        assert isinstance(self.body, HalfSpace)
-        compliance = tuple(self.body.compliance[self.place].ravel().tolist())
-        return _on_half_space(compliance, self.fields, self.body.shape, self._reach)
+        layers = shear_kernel(body.kind.film.stack()) if isinstance(body, Film) else None
+        coefficient = float(friction.coefficient[place])
+        return SlidingPoint(SolvedPoint(solution), coefficient, friction.coupling[place], layers)
 
 
-def _cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[Case, dict[str, PointContact]]]:
-    conducts, body, windows = np.broadcast_to(pressed.conducts, (pressed.force.size, 2)), pressed.body, None
-    require(lacking_at_point(body, conducts))
-    contacts = {"charged": pressed.charged, "uncharged": pressed.uncharged, "grounded": pressed.grounded}
-    if isinstance(body, Film):
-        radii = np.concatenate([contact.radius / body.thickness for contact in contacts.values()])
-        windows = RingWindows.of(body.kind, radii)
-    for place in range(pressed.force.size):
-        fields = tuple(np.flatnonzero(conducts[place]).tolist())
-        reach = reach_of(min(float(contact.radius[place]) for contact in contacts.values()), float(end[place]))
-        yield Case(pressed, windows, place, fields, float(permittivity[place]), float(end[place]), reach), contacts
+def _solutions(places: Indices, states: PointStates) -> Iterator[tuple[int, PointSolution]]:
+    """Yield the place of every case with its solution."""
+    for case, place in enumerate(places.tolist()):
+        yield place, states.solution(case)
 
 
-def _of_case(case: Case, contacts: dict[str, PointContact], rim: Rim | None) -> dict[str, float]:
-    place, nothing = case.place, np.zeros(2)
-    charges = contacts["charged"].pressed.charges[place]
-    state = case.charged(contacts)
-    idle = state if not np.any(charges) else case.state(nothing, False, float(contacts["uncharged"].radius[place]))
-    short = case.state(nothing, True, float(contacts["grounded"].radius[place]), idle)
-    port, size = Stiffness.of(_compliance(case, state)), state.size / state.radius
-    out = {
-        "contact_radius": case.length * state.radius,
-        "depth": -float(state.displacement[0] * state.size) * case.length * float(case.units[0]),
-        "contact_stiffness": float(port.closed),
-        "contact_stiffness_open": float(port.open),
-    }
-    bounded, slid = finite(state.problem.shape), case.slid(state)
-    if bounded:
-        out["peak_pressure"] = largest_within(slid, None, _peak_pressure(state)) * size / float(case.units[0])
-    if slid is not None:
-        out |= {"contact_offset": slid.shift * out["contact_radius"], _REACH: slid.reach}
-        if rim is not None:
-            out["trailing_tension"] = trailing_tension(slid, rim.part(case.place), case.body, case.units)
-    fixed = np.linalg.inv(state.at_fixed_contact)
-    for row, field in enumerate(case.fields):
-        j, unit = 1 + row, float(case.units[1 + field])
-        values = (
-            float(state.displacement[j] * state.size) * case.length * unit,
-            -float(_compliance(case, idle)[j, 0]),
-            float(short.loads[j] / short.loads[0] * case.units[0] / unit),
-            float(port.stroke(j)),
-            float(port.blocked_force(j)),
-            float(fixed[row, row]) * case.length / unit**2,
+def _parameters(states: PointStates) -> Array:
+    """Logarithms of what cases differ in; (case, parameter)."""
+    force = states.force[:, None]
+    logarithms = np.log(np.stack([states.coefficient, states.force, states.end], 1))
+    return np.concatenate([states.unknowns[:, :1], logarithms, np.log(states.media), states.charges / force], 1)
+
+
+def _peak_pressure(inside: Array) -> Array:
+    """Largest pressures over C a^(e-1), from the rows below the contact; (case,)."""
+    samples = inside[:, : SAMPLES.size]
+    series = _odd_series() @ samples.T
+    best = np.argmax(samples, 1)
+    result = np.take_along_axis(samples, best[:, None], 1)[:, 0]
+    hills = np.flatnonzero(best < SAMPLES.size - 1)
+    if hills.size:
+        result[hills] = climbed(
+            lambda x, case: np.asarray(np.polynomial.chebyshev.chebval(x, series[:, hills[case]], tensor=False)),
+            best[hills],
         )
-        out |= dict(zip(RESPONSES[field], values, strict=True))
-        if field == 0:
-            density, gap = size / unit, largest_beside(state, slid, row, gap=True)
-            out |= {
-                "capacitance_at_force": float(port.capacitance(j)),
-                "gap_field": gap * density / float(case.permittivity[0]),
-            }
-            if bounded:
-                within = largest_within(slid, field, _peak_within(state, row))
-                out["peak_displacement"] = max(within, largest_beside(state, slid, row, gap=False)) * density
-    return out
+    return result
 
 
-def _compliance(case: Case, state: PointState) -> Array:
-    """-d (-depth, V, Psi) / d (P, T, J) of the channels, SI; (channel, channel)."""
-    units = case.units[[0, *(1 + f for f in case.fields)]]
-    return np.asarray(-state.flexibility * units[:, None] * units / case.length)
+@cache
+def _odd_series() -> Array:
+    """Matrix from values at ``SAMPLES`` to the Chebyshev series of the odd polynomial through them."""
+    positions = np.concatenate([-SAMPLES[::-1], SAMPLES])
+    inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(positions, positions.size - 1))
+    return inverse[:, SAMPLES.size :] - inverse[:, SAMPLES.size - 1 :: -1]
 
 
-def _peak_pressure(state: PointState) -> float:
-    """Largest pressure over C a^(e-1)."""
-    samples = state.inside[: SAMPLES.size]
-    positions, values = np.concatenate([-SAMPLES[::-1], SAMPLES]), np.concatenate([-samples[::-1], samples])
-    series = np.polynomial.chebyshev.chebfit(positions, values, 2 * SAMPLES.size - 1)
-    best = int(np.argmax(samples))
-    if best == SAMPLES.size - 1:
-        return float(samples[best])
-    return float(climbed(lambda x, _: np.asarray(np.polynomial.chebyshev.chebval(x, series)), np.array([best]))[0])
-
-
-def _peak_within(state: PointState, row: int) -> float:
-    first, count = SAMPLES.size, (state.inside.size - SAMPLES.size) // len(state.problem.rows.fields)
-    densities = state.inside[first + row * count : first + (row + 1) * count]
-    return max(peak_of_panels(densities[:-1].reshape(-1, WITHIN)), abs(float(densities[-1])))
+def _peak_within(inside: Array, row: int) -> Array:
+    """Largest densities of a field below the contact, over C a^(e-1); (case,)."""
+    first = SAMPLES.size + row * X_WITHIN.size
+    densities = inside[:, first : first + X_WITHIN.size]
+    panels = densities[:, :-1].reshape(len(inside), -1, WITHIN)
+    return np.maximum(peak_of_panels(panels), np.abs(densities[:, -1]))
 
 
 _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
@@ -236,7 +315,9 @@ def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) 
             f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
         )
     cases = _solved_cases(pressed, permittivity, end)
-    result = np.stack([case.at_rest.surface_tractions(positions) / case.units[:, None] for _, case in cases])
+    result = np.empty((pressed.force.size, 3, positions.size))
+    for place, case in cases:
+        result[place] = case.at_rest.surface_tractions(positions) / case.units[:, None]
     result[:, 0] = 0.0 - result[:, 0]
     return {name: result[:, number] for number, name in enumerate(_FIELDS)}
 
@@ -255,15 +336,18 @@ def inside(
 
 def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, names: Set[str]) -> dict[str, Array]:
     """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
-    result = [
-        peaks_of(body, case.tractions, np.array([case.radius]), names)
-        for _, case in _solved_cases(pressed, permittivity, end)
+    parts = [
+        (np.array([place]), peaks_of(body, case.tractions, np.array([case.radius]), names))
+        for place, case in _solved_cases(pressed, permittivity, end)
     ]
-    return {name: np.concatenate([part[name] for part in result]) for name in result[0]}
+    return joined(parts, pressed.force.size)
 
 
 def _solved_cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _FieldCase]]:
-    for case, state, operators in solved(pressed, permittivity, end):
-        radius = state.radius * case.length
-        length = case.length if case.layered else radius
-        yield case.place, _FieldCase(SolvedPoint(state, operators), case.slid(state), case.units, radius, length)
+    points = AirPoints(pressed, permittivity, end)
+    for places, result in points.solved(pressed.charged):
+        for place, solution in _solutions(places, result.require().states):
+            radius = solution.radius * float(points.length[place])
+            length = float(points.length[place]) if isinstance(pressed.body, Film) else radius
+            slid = points.slid(place, solution)
+            yield place, _FieldCase(SolvedPoint(solution), slid, pressed.units[place], radius, length)

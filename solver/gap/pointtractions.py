@@ -12,7 +12,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.gap.airpoint import PointState
+from solver.gap.airpoint import PointSolution
 from solver.gap.charges import Charges, Spectrum, from_smaller
 from solver.gap.ringoperators import RingOperators
 from solver.gap.rings import Rings
@@ -103,13 +103,17 @@ def _continued(part: Array, within: BoolArray, exterior: Array) -> Array:
 class SolvedPoint:
     """Surface tractions of a contact in air, solved again at its exact radius; units of the body."""
 
-    state: PointState
-    operators: RingOperators
+    state: PointSolution
+
+    @property
+    def operators(self) -> RingOperators:
+        """Operators at any radius."""
+        return self.state.operators
 
     @property
     def unit(self) -> float:
         """Unit of the tractions, C a^(e-1)."""
-        return self.state.size / self.state.radius
+        return self.state.unit
 
     @property
     def _rings(self) -> Rings:

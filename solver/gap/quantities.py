@@ -1,56 +1,24 @@
 """Every quantity of contacts with air beside them by its name (theory section 10)."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
-from solver.arrays import Array
+from approximation.arrays import Indices
+from solver.arrays import Array, joined
 from solver.cache import cached
-from solver.gap.airline import AirContact, State
+from solver.gap.airline import AirContacts, LineSolution
 from solver.gap.grid import peak_of_panels
-from solver.gap.operators import ANGLES, EDGE, FIRST, PRESSURE, WITHIN, AirTable, farthest, grid_of
+from solver.gap.newton import together
+from solver.gap.operators import WITHIN, AirTable, farthest, grid_of
 from solver.gap.refusal import lacking, require
-from solver.line.peakpressure import largest
+from solver.line.peakpressure import largest, pressure_series
 from solver.line.similar import Films
 from solver.line.system import SAMPLES
 from solver.line.windows import Kind, window
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import RESPONSES
 from solver.twoport import Compliance
-
-
-def peak_pressure(state: State) -> float:
-    """Largest contact pressure [Pa]."""
-    samples = state.outputs[PRESSURE]
-    series = np.polynomial.chebyshev.chebfit(SAMPLES, samples, SAMPLES.size // 2)
-    contact = state.problem.contact
-    return float(largest(np.asarray(series[None], dtype=np.float64), contact.exponent)[0] / contact.scale[1])
-
-
-def peak_density(state: State, field: int) -> float:
-    """Largest abs(D_y) [C/m2] or abs(B_y) [T] on the contact and beside it."""
-    place = state.problem.fields.index(field)
-    start = FIRST + state.problem.nodes * (1 + len(state.problem.fields)) + place * ANGLES.size
-    within = state.outputs[start : start + ANGLES.size]
-    return max(peak_of_panels(within.reshape(-1, WITHIN)), _exterior(state, place)) / float(
-        state.problem.contact.scale[2 + field]
-    )
-
-
-def gap_field(state: State, field: int) -> float:
-    """Largest field in the gap [V/m, A/m]."""
-    density = _exterior(state, state.problem.fields.index(field)) / float(state.problem.contact.scale[2 + field])
-    return density / float(state.problem.permittivity[field])
-
-
-def _exterior(state: State, place: int) -> float:
-    grid = state.problem.table.operators.grid
-    nodes = grid.count // grid.panels
-    densities = state.densities[place].reshape(-1, grid.panels, nodes)
-    at_edge = densities[:, 0] @ grid.edge[:nodes]
-    return max(peak_of_panels(densities[:, :-1].reshape(-1, nodes)), float(np.max(np.abs(at_edge))))
-
 
 _AIR_NODES = 12  # half-lengths of a window: 1e-7 between them
 
@@ -66,71 +34,96 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
 
     Edge intensities are absent: those of fields that the air carries do not exist, those of others are 0.
     """
-    uncharged, out = films, dict[str, Array]()
-    if np.any(films.charges):
-        uncharged = films.with_charges(np.zeros_like(films.charges))
-    bare = dict(_in_air(uncharged, permittivity))
-    for place, contact in bare.items() if uncharged is films else _in_air(films, permittivity):
-        for name, value in _of_case(films, place, contact.state, bare[place]).items():
-            out.setdefault(name, np.empty(films.load.size))[place] = value
+    is_charged = bool(np.any(films.charges))
+    uncharged = films.with_charges(np.zeros_like(films.charges)) if is_charged else films
+    parts, whole = [], dict[str, Array]()
+    for places, contacts in _in_air(uncharged, permittivity):
+        values = _of_uncharged(contacts)
+        if not is_charged:
+            values |= _of_contacts(films.part(places), contacts)
+        parts.append((places, values))
+    whole = joined(parts, films.load.size)
+    if is_charged:
+        charged = _in_air(films, permittivity)
+        parts = [(places, _of_contacts(films.part(places), contacts)) for places, contacts in charged]
+        whole |= joined(parts, films.load.size)
+    return whole
+
+
+def solutions(films: Films, permittivity: Array) -> Iterator[tuple[int, LineSolution]]:
+    """Every case with its solution; arguments and refusals of :func:`quantities`."""
+    for places, contacts in _in_air(films, permittivity):
+        yield from zip(places.tolist(), contacts.solutions(), strict=True)
+
+
+def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[Indices, AirContacts]]:
+    """Yield cases on films of unit thickness with the table of their window, as many as are solved at once."""
+    require(lacking(films.kind))
+    films.require_one_length()
+    air = np.stack([VACUUM_PERMITTIVITY * permittivity, np.full_like(permittivity, VACUUM_PERMEABILITY)], 1)
+    for places, number, contact in films.parts:
+        ends = contact.table.system, contact.table.lower, contact.table.upper
+        usual, reaches = grid_of(*ends).panels, farthest(contact, air[places])
+        for reach in np.unique(reaches).tolist():
+            alike = np.flatnonzero(reaches == reach)
+            # all contacts of a window share a table if they can
+            table = _air_window(films.kind, number, reach if grid_of(*ends, reach).panels > usual else 0.0)
+            alike = alike[np.argsort(contact.half_width[alike], kind="stable")]
+            count = together(AirContacts(table, contact.part(alike), air[places[alike]]).states())
+            for start in range(0, alike.size, count):
+                some = alike[start : start + count]
+                yield places[some], AirContacts(table, contact.part(some), air[places[some]])
+
+
+def _of_uncharged(contacts: AirContacts) -> dict[str, Array]:
+    """Potentials per load, and charges per load at zero potential, of contacts without charges; (case,) each."""
+    idle, scale, out = contacts.solved, contacts.contact.scale, dict[str, Array]()
+    for field in idle.states.frame.fields:
+        j = 1 + field
+        loads = contacts.held((field == 0, field == 1), idle).states.loads
+        out[RESPONSES[field][1]] = idle.tangents[:, j, 0] * scale[1 + j] * scale[1]
+        out[RESPONSES[field][2]] = loads[:, j] / loads[:, 0] * scale[1] / scale[1 + j]
     return out
 
 
-def states(films: Films, permittivity: Array) -> Iterator[tuple[int, State]]:
-    """Every case with its solution; arguments and refusals of :func:`quantities`."""
-    for place, contact in _in_air(films, permittivity):
-        yield place, contact.state
-
-
-def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[int, AirContact]]:
-    """Every case, on a film of unit thickness, with the table of its window."""
-    require(lacking(films.kind))
-    films.require_one_length()
-    for places, number, contacts in films.parts:
-        table = window(films.kind, number)
-        ends = table.system, table.lower, table.upper
-        for k, place in enumerate(places.tolist()):
-            air = np.array([VACUUM_PERMITTIVITY * permittivity[place], VACUUM_PERMEABILITY])
-            contact = contacts.part(k)
-            reach = farthest(contact, air)
-            wider = grid_of(*ends, reach).panels > grid_of(*ends).panels  # else all contacts of a window share a table
-            yield place, AirContact(_air_window(films.kind, number, reach if wider else 0.0), contact, air)
-
-
-def _of_case(films: Films, place: int, state: State, bare: AirContact) -> dict[str, float]:
-    h, scale = float(films.thickness[place]), state.problem.contact.scale
-    half, centre = h * state.half, state.centre
+def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
+    result, h, scale = contacts.solved, films.thickness, contacts.contact.scale
+    states, table = result.states, contacts.table
+    others = table.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+    half, centre, exponent = h * states.half, states.centre, contacts.contact.exponent
+    edges, pressures, within = np.split(others, [2, 2 + SAMPLES.size], 1)
     out = {
         "contact_trailing": half * (1 + centre),
         "contact_leading": half * (1 - centre),
         "contact_offset": half * centre,
-        "pressure_exponent": state.problem.contact.exponent,
-        "depth": h * float(state.response[0] * scale[1]),
-        "peak_pressure": peak_pressure(state),
-        "trailing_tension": float(state.outputs[EDGE][0] / scale[1]),
-        "leading_compression": float(state.outputs[EDGE][1] / scale[1]),
+        "pressure_exponent": np.full_like(half, exponent),
+        "depth": h * states.response.values[:, 0] * scale[1],
+        "peak_pressure": largest(pressure_series(pressures), exponent) / scale[1],
+        "trailing_tension": edges[:, 0] / scale[1],
+        "leading_compression": edges[:, 1] / scale[1],
     }
-    idle = bare.state
-    for field, conducts in enumerate(films.kind.conducts):
-        if conducts:
-            out |= dict(zip(RESPONSES[field], _responses(h, field, state, idle, bare), strict=True))
-    if films.kind.conducts[0]:
-        out["nominal_field"] = abs(out["voltage"]) / (h * films.kind.above_ground)
-        out["capacitance_at_load"] = float(Compliance.of(state.tangents, 0).capacitance)
-        out["peak_displacement"] = peak_density(state, 0)
-        out["gap_field"] = gap_field(state, 0)
+    tangents = result.tangents * scale[1:, None] * scale[1:]
+    for field in states.frame.fields:
+        j, port, names = 1 + field, Compliance.of(tangents, field), RESPONSES[field]
+        out[names[0]] = h * states.response.values[:, j] * scale[1 + j]
+        out[names[3]], out[names[4]] = port.stroke, port.blocked_force
+        out[names[5]] = 1 / (result.at_fixed_contact[:, j, field] * scale[1 + j] ** 2)
+    if 0 in states.frame.fields:
+        place = states.frame.fields.index(0)
+        densities = within.reshape(half.size, len(states.frame.fields), -1, WITHIN)[:, place]
+        exterior = _largest_exterior(contacts, place)
+        out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
+        out["capacitance_at_load"] = Compliance.of(tangents, 0).capacitance
+        out["peak_displacement"] = np.maximum(peak_of_panels(densities), exterior) / scale[2]
+        out["gap_field"] = exterior / scale[2] / contacts.permittivity[:, 0]
     return out
 
 
-def _responses(h: float, field: int, state: State, idle: State, bare: AirContact) -> tuple[float, ...]:
-    j, scale = 1 + field, state.problem.contact.scale
-    port = Compliance.of(state.tangents, field)
-    short = replace(bare, held=(field == 0, field == 1), idle=idle).state
-    return (
-        h * float(state.response[j] * scale[j + 1]),
-        float(idle.tangents[j, 0]),
-        float(short.loads[j] / short.loads[0] * scale[1] / scale[j + 1]),
-        float(port.stroke),
-        float(port.blocked_force),
-        1 / float(state.at_fixed_contact[j, field]),
-    )
+def _largest_exterior(contacts: AirContacts, place: int) -> Array:
+    """Largest density of a field beside contacts, in the units of the stack; (case,)."""
+    states, grid = contacts.solved.states, contacts.table.operators.grid
+    nodes = grid.count // grid.panels
+    densities = (states.over_size[:, place] * contacts.table.size).reshape(states.half.size, -1, grid.panels, nodes)
+    at_edge = np.max(np.abs(densities[:, :, 0] @ grid.edge[:nodes]), 1)
+    finite = densities[:, :, :-1].reshape(states.half.size, -1, nodes)
+    return np.asarray(np.maximum(peak_of_panels(finite), at_edge))

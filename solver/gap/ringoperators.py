@@ -6,8 +6,8 @@ half-space is then the same at every radius. Below the contact chi is given, so 
 of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
 
 On layers the operators are tabulated over the radius. One table serves every sphere, force, charge and permittivity.
-A contact is sought in a narrow table, which is quick to read. The narrow table is made of the operators themselves if a
-call needs few radii, and of the table of half a decade if it needs many: the choice depends on the call alone.
+A call that needs few radii has narrow tables, which are quick to make, another one tables of half a decade: the choice
+depends on the call alone.
 """
 
 from dataclasses import dataclass
@@ -21,6 +21,7 @@ from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
 from solver.gap.grid import gauss
+from solver.gap.newton import Outputs
 from solver.gap.rings import Rings, rings
 from solver.line.kernel import CHANNEL
 from solver.line.windows import number_of
@@ -194,9 +195,10 @@ class RingOperators:
             result[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
         return result
 
-    def over(self, log_radii: Array) -> Array:
-        """The same at several log a (radius,) in the unit of the body's lengths; (radius, row, column)."""
-        return np.stack([self.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
+    @cached_property
+    def profile(self) -> Array:
+        """Gap of the profile over C a^e where the surface is flat, at the nodes; (n,)."""
+        return self.shape.rise * self.rings.power(self.shape.exponent)
 
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
@@ -367,84 +369,36 @@ NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: interpolation e
 
 @dataclass(frozen=True, eq=False)
 class RingTable:
-    """Operators on layers between two radii, by Chebyshev's polynomials in log a."""
+    """Operators between two radii, by Chebyshev's polynomials in log a; on a half-space the same at every radius."""
 
     exact: RingOperators
-    interval: Interval
-    source: "RingTable | None" = None
+    interval: Interval | None = None
 
     @cached_property
-    def values(self) -> tuple[Array, Array]:
-        """Outputs at the radii, flat: those up to the pressures, and those below the contact; (node, ...)."""
-        result = (self.source or self.exact).over(self.interval.points)
+    def _parts(self) -> tuple[Outputs, Outputs]:
+        log_radii = np.zeros(1) if self.interval is None else self.interval.points
+        result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
         split = self.exact.rows.pressure.start
-        return result[:, :split].reshape(len(result), -1), result[:, split:].reshape(len(result), -1)
+        return (
+            Outputs(np.ascontiguousarray(result[:, :split]), self.interval),
+            Outputs(np.ascontiguousarray(result[:, split:]), self.interval),
+        )
 
-    def holds(self, log_radius: float) -> bool:
-        """Return True if a radius lies between the ends."""
-        return self.interval.low <= log_radius <= self.interval.high
+    @property
+    def exterior(self) -> Outputs:
+        """Rows up to the pressures."""
+        return self._parts[0]
 
-    def over(self, log_radii: Array) -> Array:
-        """Outputs of every cause and density at several log a (radius,); (radius, row, column)."""
-        local = self.interval.polynomials(log_radii, clipped=False) @ self._series[0]
-        result = np.concatenate([local @ part for part in self.values], 1)
-        return result.reshape(log_radii.size, self.exact.rows.count, -1)
+    @property
+    def inside(self) -> Outputs:
+        """Rows below the contact, from the pressures on."""
+        return self._parts[1]
 
-    def read(self, log_radius: float) -> tuple[Array, Array]:
-        """The rows up to the pressures at log a, and their derivatives in it; (row, column) each."""
-        if log_radius not in self._last:
-            self._last.clear()
-            outputs = self._polynomials(log_radius) @ self.values[0]
-            self._last[log_radius] = outputs.reshape(2, self.exact.rows.pressure.start, -1)
-        value, rate = self._last[log_radius]
-        return value, rate
-
-    @cached_property
-    def _last(self) -> dict[float, Array]:
-        """Last result of ``read``: iterations ask again where they begin."""
-        return {}
-
-    def read_inside(self, log_radius: float) -> Array:
-        """The rows below the contact at log a; (row, column)."""
-        result: Array = self._polynomials(log_radius)[0] @ self.values[1]
-        return result.reshape(self.exact.rows.count - self.exact.rows.pressure.start, -1)
-
-    def _polynomials(self, log_radius: float) -> Array:
-        """Interpolation matrix from the radii to the value at log a and its derivative; (2, node)."""
-        local = self.interval.polynomials(np.array([log_radius]), clipped=False)
-        return np.asarray(local @ self._series)[:, 0]
-
-    @cached_property
-    def _series(self) -> Array:
-        return self.interval.taylor(2)
-
-
-@dataclass(frozen=True, eq=False)
-class RingsOnHalfSpace:
-    """Operators on a half-space, the same at every radius."""
-
-    exact: RingOperators
-
-    @cached_property
-    def _values(self) -> Array:
-        return self.exact.matrix(1.0)
-
-    def holds(self, _log_radius: float) -> bool:
-        """Return True: the operators do not depend on the radius."""
-        return True
-
-    def read(self, _log_radius: float) -> tuple[Array, Array]:
-        """The rows up to the pressures, and zeros; (row, column) each."""
-        value = self._values[: self.exact.rows.pressure.start]
-        return value, np.zeros_like(value)
-
-    def read_inside(self, _log_radius: float) -> Array:
-        """The rows below the contact; (row, column)."""
-        return self._values[self.exact.rows.pressure.start :]
-
-
-#: Outputs at every radius of a body.
-RingsByRadius = RingTable | RingsOnHalfSpace
+    def holds(self, log_radii: Array) -> BoolArray:
+        """Return True for radii between the ends."""
+        if self.interval is None:
+            return np.ones(log_radii.shape, dtype=bool)
+        return (self.interval.low <= log_radii) & (log_radii <= self.interval.high)
 
 
 _PART, _BEYOND = 0.11, 0.015  # of log a: length of a part, and its overlap with the next one; air moves a contact less
@@ -457,10 +411,8 @@ def _half_decade(kind: PointKind, reach: float, number: int) -> RingTable:
 
 
 @cached
-def _part(kind: PointKind, reach: float, place: int, number: int | None) -> RingTable:
-    """The part of a place in log a, from the table of half a decade or else by itself."""
-    part = Interval(place * _PART - _BEYOND, (place + 1) * _PART + _BEYOND, FEW)
-    return RingTable(_operators(kind, reach), part, None if number is None else _half_decade(kind, reach, number))
+def _part(kind: PointKind, reach: float, place: int) -> RingTable:
+    return RingTable(_operators(kind, reach), Interval(place * _PART - _BEYOND, (place + 1) * _PART + _BEYOND, FEW))
 
 
 @cached
@@ -496,11 +448,9 @@ class RingWindows:
             places_of.setdefault(_number(ratio), set()).add(_place(ratio))
         return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _SINGLE_PARTS))
 
-    def narrow(self, ratio: float, reach: float) -> RingTable:
-        """About a radius over the thickness, with rings up to ``reach`` contact radii."""
+    def table(self, ratio: float, reach: float, *, wide: bool = False) -> RingTable:
+        """About a radius over the thickness, with rings up to ``reach`` contact radii; of half a decade where wide."""
         number = _number(ratio)
-        return _part(self.kind, reach, _place(ratio), number if number in self.many else None)
-
-    def wide(self, ratio: float, reach: float) -> RingTable:
-        """Half a decade that holds it."""
-        return _half_decade(self.kind, reach, _number(ratio))
+        if wide or number in self.many:
+            return _half_decade(self.kind, reach, number)
+        return _part(self.kind, reach, _place(ratio))

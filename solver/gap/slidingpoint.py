@@ -9,6 +9,7 @@ and the same with B, mu0 and psi. Linear in c and D_1, with a smooth edge of the
 """
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -17,7 +18,7 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.cache import cached
-from solver.gap.airpoint import PointState
+from solver.gap.airpoint import PointSolution, PointStates
 from solver.gap.grid import gauss, peak_of_panels
 from solver.gap.newton import solved
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
@@ -171,7 +172,7 @@ class SlidingPoint:
         return self._operators.rows.channels[1:]
 
     @property
-    def _state(self) -> PointState:
+    def _state(self) -> PointSolution:
         return self.at_rest.state
 
     @property
@@ -196,7 +197,7 @@ class SlidingPoint:
     def _weights(self) -> Array:
         """Sizes of the columns per unit of friction; (column,)."""
         state, outputs, columns = self._state, self._turned, self._columns
-        rows, profile = self._operators.rows, state.problem.profile
+        rows, profile = self._operators.rows, self._operators.profile
         law = np.empty((1 + len(rows.fields) * rows.nodes, outputs.edges.shape[1]))
         law[0] = outputs.edges[0]
         for place, at_rest in enumerate(state.over_size):
@@ -250,7 +251,7 @@ class SlidingPoint:
         """
         N, channels, (_, turned) = self._operators.compliance, self._carried, self.exterior_densities
         at_rest = self._state.densities / self._state.thinned
-        yielding = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self._state.problem.media
+        yielding = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self._state.media
         return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
     # -- tractions -----------------------------------------------------------------------------------------------------
@@ -354,27 +355,35 @@ def _held(transforms: Rings) -> Array:
 _MOST_REACH = 1.1  # of the gap's field, beyond which a warning says that it is not reached
 
 
-def largest_within(slid: SlidingPoint | None, field: int | None, at_rest: float) -> float:
-    """Largest abs(D_y) (0), abs(B_y) (1) or pressure (None) below the contact, over C a^(e-1).
+def largest_within(slid: Sequence[SlidingPoint | None], field: int | None, at_rest: Array) -> Array:
+    """Largest abs(D_y) (0), abs(B_y) (1) or pressure (None) below contacts, over C a^(e-1); (case,).
 
     What is singular at the edge is left out, as at rest; at the apex of exponents below 2 it is that at rest.
     """
-    if slid is None or slid.friction == 0:
-        return at_rest
-    along, ray = slid.along(field), ray_of(slid.at_rest.operators.shape)
-    signs = (1.0,) if field is None else (1.0, -1.0)
-    return max(at_rest, *(float(ray.top(*(sign * along[:, None]))[0]) for sign in signs))
+    result, signs = np.array(at_rest), (1.0,) if field is None else (1.0, -1.0)
+    for case, contact in enumerate(slid):
+        if contact is not None and contact.friction:
+            along, ray = contact.along(field), ray_of(contact.at_rest.operators.shape)
+            tops = (float(ray.top(*(sign * along[:, None]))[0]) for sign in signs)
+            result[case] = max(result[case], *tops)
+    return result
 
 
-def largest_beside(state: PointState, slid: SlidingPoint | None, place: int, *, gap: bool) -> float:
-    """Largest density beside the contact, over C a^(e-1), or that which the gap's field would have at a plate.
+def largest_beside(states: PointStates, slid: Sequence[SlidingPoint | None], place: int, *, gap: bool) -> Array:
+    """Largest density beside contacts, over C a^(e-1), or that which the gap's field would have at a plate; (case,).
 
     On the finite panels, along the sliding direction.
     """
-    at_rest = state.densities[place] / (state.thinned if gap else 1.0)
-    turned = np.zeros_like(at_rest) if slid is None else slid.exterior_densities[gap][place]
-    panels = state.problem.rings.grid.panels
-    return max(peak_of_panels((at_rest + sign * turned).reshape(panels, -1)[:-1]) for sign in (1.0, -1.0))
+    rings = states.rings
+    at_rest = states.over_size[:, place] * rings.size / (states.thinned if gap else 1.0)
+    turned = np.stack(
+        [
+            np.zeros(states.layout.nodes) if contact is None else contact.exterior_densities[gap][place]
+            for contact in slid
+        ]
+    )
+    sides = [(at_rest + sign * turned).reshape(len(slid), rings.grid.panels, -1)[:, :-1] for sign in (1.0, -1.0)]
+    return np.maximum(*(peak_of_panels(side) for side in sides))
 
 
 def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:

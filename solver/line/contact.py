@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import Indices
 from solver.arrays import Array, dot
 from solver.halfplane.profile import Profile
 from solver.line import outputs
@@ -225,16 +226,16 @@ class FilmContact:
         scaled[:, 0] *= -1
         return np.asarray(scaled)
 
-    def part(self, case: int) -> "FilmContact":
-        """One of the cases."""
-        size, place = self.load.shape, slice(case, case + 1)
+    def part(self, places: Indices) -> "FilmContact":
+        """Some of the cases."""
+        size = self.load.shape
 
         def chosen(values: Array) -> Array:
-            return np.asarray(np.broadcast_to(values, size)[place])
+            return np.asarray(np.broadcast_to(values, size)[places])
 
         punch_datum = None if self.punch_datum is None else chosen(self.punch_datum)
-        profile, charges = self.profile.part(place, size), self.charges[place]
-        return FilmContact(self.table, profile, self.load[place], charges, chosen(self.datum), punch_datum)
+        profile, charges = self.profile.part(places, size), self.charges[places]
+        return FilmContact(self.table, profile, self.load[places], charges, chosen(self.datum), punch_datum)
 
     def potential(self, field: int) -> Array:
         """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch."""

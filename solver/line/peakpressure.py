@@ -18,18 +18,22 @@ _PRESSURES = 4096  # cases at a time: bounded memory
 
 def peak_pressure(contact: FilmContact) -> Array:
     """Largest contact pressure [Pa] between two smooth edges; (case,)."""
-    samples = contact.table.series[:, PRESSURE]
-    series = dct(samples, type=1, axis=1) / (samples.shape[1] - 1)
-    series[:, [0, -1]] /= 2
-    size = np.max(np.abs(series), axis=(0, 2))
-    count = int(np.flatnonzero(size > _NEGLIGIBLE * np.max(size))[-1]) + 1
+    series = pressure_series(contact.table.series[:, PRESSURE])
     peaks = np.empty(contact.load.size)
     for start in range(0, peaks.size, _PRESSURES):
         block = slice(start, start + _PRESSURES)
         log_half, causes = np.log(contact.half_width[block]), contact.causes.values[block]
-        pressures = contact.table.interval.read(log_half, series[:, :count], causes)
+        pressures = contact.table.interval.read(log_half, series, causes)
         peaks[block] = largest(pressures, contact.exponent)
     return np.asarray(peaks / contact.scale[1])
+
+
+def pressure_series(samples: Array) -> Array:
+    """Chebyshev series in X without its negligible end, by values at ``SAMPLES`` (case, sample, ...)."""
+    series = dct(samples, type=1, axis=1) / (samples.shape[1] - 1)
+    series[:, [0, -1]] /= 2
+    size = np.max(np.abs(series), axis=(0, *range(2, series.ndim)))
+    return np.asarray(series[:, : int(np.flatnonzero(size > _NEGLIGIBLE * np.max(size))[-1]) + 1])
 
 
 def largest(series: Array, exponent: float) -> Array:

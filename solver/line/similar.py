@@ -46,7 +46,7 @@ class Films:
         """The same punches, loads and films with other charges."""
         return replace(self, charges=charges)
 
-    def part(self, places: slice) -> Self:
+    def part(self, places: slice | Indices) -> Self:
         """Some of the cases."""
         chosen = selected(self, places, "load", "charges", "datum", "thickness", "punch_datum")
         return replace(chosen, profile=self.profile.part(places, self.load.shape))

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import solver
-from solver.gap.airline import AirContact
+from solver.gap.airline import AirContacts
 from solver.gap.operators import AirTable, farthest
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import RIGID_PUNCH, Punch
@@ -42,10 +42,9 @@ def airy(
     charges: Sequence[float] = (0.0, 0.0),
     conducts: tuple[bool, bool] = (True, True),
     permittivity: float = 1.0,
-    held: tuple[bool, bool] = (False, False),
     punch: Punch = RIGID_PUNCH,
     nodes: int = 6,
-) -> AirContact:
+) -> AirContacts:
     """A cylinder on a film of 0.3 mm; lengths over the thickness."""
     air_table = table(stack, friction, conducts, least=0.02, most=6.0, punch=punch)
     bare = FilmContact(
@@ -53,6 +52,6 @@ def airy(
         np.array([charges]) / THICKNESS, np.array([1.0]),
     )  # fmt: skip
     near = air_table.narrowed(float(bare.half_width[0]), 1.06, nodes)
-    filled = permittivity * np.array([VACUUM_PERMITTIVITY, VACUUM_PERMEABILITY])
+    filled = permittivity * np.array([[VACUUM_PERMITTIVITY, VACUUM_PERMEABILITY]])
     contact = replace(bare, table=near)
-    return AirContact(AirTable(near, farthest(contact, filled)), contact, filled, held)
+    return AirContacts(AirTable(near, float(farthest(contact, filled)[0])), contact, filled)

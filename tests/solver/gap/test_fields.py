@@ -8,11 +8,11 @@ import pytest
 
 import solver
 from solver.arrays import Array
-from solver.gap.airline import AirContact
+from solver.gap.airline import AirContacts
 from solver.gap.charges import FAR
 from solver.gap.fields import Solved, surface_fields
 from solver.gap.newton import solved
-from solver.gap.operators import EDGE, AirTable
+from solver.gap.operators import AirTable
 from solver.line.interior import fields_of
 from solver.material.constants import VACUUM_PERMITTIVITY
 from solver.stack.layers import Layer, Stack
@@ -38,13 +38,14 @@ INSIDE = ("stress_xx", "stress_yy", "stress_xy", "electric_displacement_y", "ele
 
 
 @cache
-def made(name: str) -> AirContact:
+def made(name: str) -> AirContacts:
     stack, options = CASES[name]
     return airy(stack, **options)  # type: ignore[arg-type]
 
 
-def inside(contact: AirContact, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    fields: Array = fields_of(Solved(contact.state, EDGES, FAR).tractions, x, y, names, contact.contact.datum)[0]
+def inside(contact: AirContacts, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+    tractions = Solved(contact.solutions()[0], EDGES, FAR).tractions
+    fields: Array = fields_of(tractions, x, y, names, contact.contact.datum)[0]
     return fields
 
 
@@ -53,8 +54,8 @@ def inside(contact: AirContact, x: Array, y: Array, names: tuple[str, ...]) -> A
 def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str) -> None:
     """Inside fields come from spectra of all charges, those on the surface from tables of kernels; V by the table."""
     contact = made(name)
-    state, scale = contact.state, contact.contact.scale
-    surface = surface_fields(state, X)
+    states, solution, scale = contact.solved.states, contact.solutions()[0], contact.contact.scale
+    surface = surface_fields(solution, X)
     interior = inside(contact, X, np.zeros(1), (*(other for _, other, _ in BOTH), "electric_potential"))[:, 0]
     for (field, _, sign), other in zip(BOTH, interior[:-1], strict=True):
         values = surface[field][0]
@@ -65,30 +66,32 @@ def test_kernels_and_waves_meet_at_the_surface_and_the_gap_has_its_law(name: str
             atol=1e-9 * np.max(np.abs(values)) + 1e-6 * (field == "shear_traction"),
             err_msg=field,
         )
-    V, within = state.response[1] * scale[2], np.abs(X) < 1
+    V, within = states.response.values[0, 1] * scale[2], np.abs(X) < 1
     np.testing.assert_allclose(interior[-1, within], V, rtol=3e-9)
-    operators = state.problem.table.operators
+    operators = solution.operators
     nodes = [30, 60]
     exterior = operators.grid.distance[nodes]
     phi = inside(contact, exterior, np.zeros(1), ("electric_potential",))[0, 0]
-    gap = state.gap[nodes] * state.half * scale[1]
-    D = surface_fields(state, exterior)["electric_displacement_y"][0]
+    gap = states.gap[0, nodes] * solution.half * scale[1]
+    D = surface_fields(solution, exterior)["electric_displacement_y"][0]
     close = 1e-8 * np.abs(V / (V - phi))  # next to the edge the difference of potentials has fewer digits
     assert np.all(np.abs(D * gap / (-VACUUM_PERMITTIVITY * (V - phi)) - 1) < 1e-6 + close)
 
 
 def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> None:
     """Guards a fixed error: charges on one side stretched the other edge with the wrong sign, 14 % here."""
-    state = made("steel").state
-    edge = state.outputs[EDGE] / state.problem.contact.scale[1]
-    near = surface_fields(state, np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
+    contact = made("steel")
+    states = contact.solved.states
+    others = contact.table.others.at(states.unknowns[:, 0]).times(states.columns[..., None])
+    edge = others[0, 0, :2, 0] / contact.contact.scale[1]
+    near = surface_fields(contact.solutions()[0], np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
     np.testing.assert_allclose(edge[0], edge[1], rtol=1e-9)
     np.testing.assert_allclose(edge, near, rtol=1e-4)
 
 
 def test_fields_do_not_see_where_the_intervals_end() -> None:
     """Charges beyond the intervals count as a charge at infinity."""
-    state = made("rigid").state
+    state = made("rigid").solutions()[0]
     few, many = (Solved(state, EDGES, count).tractions for count in (10, FAR))
     x, y = np.array([-2.0, 0.4]), np.array([-0.2, -0.9])
     coarse, fine = (fields_of(tractions, x, y, INSIDE[:5], np.ones(1)) for tractions in (few, many))
@@ -114,10 +117,11 @@ def test_columns_and_rows_of_any_size() -> None:
     np.testing.assert_allclose(many, (x / columns)[:, None] * [1.0, 2.0], rtol=1e-12)
 
 
-def figures(contact: AirContact) -> Array:
+def figures(contact: AirContacts) -> Array:
     """Voltage, stroke per volt, capacitances: what took harm."""
-    t = contact.state.tangents
-    return np.array([contact.state.response[1], t[0, 1] / t[1, 1], t[1, 1], contact.state.at_fixed_contact[1, 0]])
+    t = contact.solved.tangents[0]
+    voltage, fixed = contact.solved.states.response.values[0, 1], contact.solved.at_fixed_contact[0, 1, 0]
+    return np.array([voltage, t[0, 1] / t[1, 1], t[1, 1], fixed])
 
 
 @pytest.mark.parametrize(
@@ -133,7 +137,7 @@ def test_panels_sixteen_times_as_far_change_nothing(stack: Stack, load: float, o
     """
     contact = airy(stack, load, conducts=(True, False))
     far = replace(contact, table=AirTable(contact.table.table, 16 * np.cosh(contact.table.operators.grid.ends[-1])))
-    assert far.nodes > contact.nodes
+    assert far.table.operators.density_nodes > contact.table.operators.density_nodes
     np.testing.assert_allclose(figures(contact), figures(far), rtol=off)
 
 
