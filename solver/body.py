@@ -4,7 +4,7 @@ A new kind of body is one entry of ``KINDS``, the rule in :func:`kind_of` that t
 class of ``face/solution.py``. Nothing else asks which kind a case is: what differs is asked for by its name here.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
@@ -202,7 +202,7 @@ SPACE_ON_LAYERS, SPACE_ON_LAYERS_IN_AIR = (
     replace(
         kind,
         name=f"{kind.name}, on layers",
-        quantities=kind.quantities | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+        quantities=dict(kind.quantities) | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
         layered=True,
         factors=(*OF_A_FILM, *OF_SPACE),
     )
@@ -223,13 +223,18 @@ def kind_of(
     factors: Collection[str],
     profile: object = "cylinder",
     surroundings: object = CHOICES["surroundings"][0],
-    material: object = None,
+    materials: Iterable[object] = (),
 ) -> Kind:
-    """The kind of a case; of a sphere, cone or disc on a cut crystal by its ``cut`` or its material."""
+    """The kind of a case; of a sphere, cone or disc on a cut crystal by its ``cut`` or one of its materials."""
     outline = PROFILES[profile] if isinstance(profile, str) and profile in PROFILES else PROFILES["cylinder"]
-    space = outline.space or (profile in ON_CUTS and ("cut" in factors or is_cut(material)))
+    space = outline.space or (profile in ON_CUTS and ("cut" in factors or any(map(is_cut, materials))))
     layered = BODY in factors or "thickness" in factors
     return KINDS["space" if space else outline.contact, layered, surroundings == AIR]
+
+
+def solids(case: Mapping[str, object]) -> list[object]:
+    """Material, base and stack of a case, as far as its factors name them."""
+    return [case[name] for name in ("material", "base", BODY) if name in case]
 
 
 def is_cut(material: object) -> bool:
@@ -288,8 +293,7 @@ def around(case: Mapping[str, object]) -> str:
 
     Beside a half-plane or a half-space, as in the seed's problem, there is no charge.
     """
-    material = next((m for m in (case.get("material"), case.get("base"), case.get(BODY)) if is_cut(m)), None)
-    kind = kind_of(case, case.get("profile", "cylinder"), material=material)
+    kind = kind_of(case, case.get("profile", "cylinder"), materials=solids(case))
     if kind.space:
         return AIR
     return AIR if kind.layered and not airless(case) else CHOICES["surroundings"][0]

@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import cast
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from solver.arrays import is_finite, nearest, shown, unmasked
 from solver.described import Contact
@@ -204,7 +205,7 @@ def _array(name: str, value: object) -> xr.DataArray:
     """A scalar without dimension, a plain sequence as a dimension named after its factor."""
     if isinstance(value, xr.DataArray):
         return value.reset_coords(drop=True)
-    if isinstance(value, Material | Profile | Stack) or (name == HEIGHT_MAP and np.ndim(value) > 1):
+    if isinstance(value, Material | Profile | Stack) or (name == HEIGHT_MAP and np.ndim(cast(ArrayLike, value)) > 1):
         values = np.empty((), object)
         values[()] = value  # of a map all heights
     else:

@@ -291,14 +291,18 @@ class _Contact:
                 crown = size["crown_radius"]
                 return Roller(size["radius"], size["length"], crown if crown > 0 else np.inf, size["tilt"])
             if profile == "rough_sphere":
-                return RoughSphere(**size | {"realisation": int(size["realisation"])})
+                return RoughSphere(
+                    size["radius"],
+                    size["roughness"],
+                    size["longest_wavelength"],
+                    size["shortest_wavelength"],
+                    int(size["realisation"]),
+                )
             if profile == "ellipsoid":
-                return Ellipsoid(**size)
-            return {
-                "sphere": lambda: sphere(size["radius"]),
-                "cone": lambda: Cone(size["slope"]),
-                "disc": lambda: Disc(size["width"] / 2),
-            }[profile]()
+                return Ellipsoid(size["radius_x"], size["radius_y"])
+            if profile == "cone":
+                return Cone(size["slope"])
+            return Disc(size["width"] / 2) if profile == "disc" else sphere(size["radius"])
         except SurfaceError as error:
             raise FactorError(str(error)) from None
 

@@ -19,7 +19,7 @@ from tqdm import tqdm
 import solver
 from approximation.arrays import Indices
 from solver import FactorError, Material, MaterialError, SmallStrainWarning, solve, solve_interior
-from solver.body import kind_of
+from solver.body import kind_of, solids
 from solver.face.attributes import of_output, united
 from solver.face.filmfactors import present, settled
 from solver.face.strain import Excess, sentence
@@ -148,7 +148,8 @@ def _lacking(table: Table, out: xr.Dataset) -> tuple[list[str], list[str]]:
     names = [str(name) for name in out.coords]
     around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
     pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
-    kinds = [kind_of(names, *pair) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
+    known = {str(value) for name in ("material", "base") if name in names for value in out[name].values.flat}
+    kinds = [kind_of(names, *pair, known) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
     quantities = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
     missing = [name for name in quantities if name not in out and name not in _unasked(table)]
     return missing, [name for name in quantities if name in out and bool(out[name].isnull().any())]
@@ -179,7 +180,7 @@ def _defaults(table: Table, case: xr.Dataset) -> str:
     around, profile = (
         str(case[name].item()) if name in case.coords else CHOICES[name][0] for name in ("surroundings", "profile")
     )
-    kind = kind_of([*named], profile, around)
+    kind = kind_of([*named], profile, around, solids({name: cells[0] for name, cells in table.columns.items()}))
     coupled = {"electric": "voltage", "magnetic": "magnetic_potential"}
     charged = [name for name, potential in coupled.items() if potential in solver.table(case).index]
     fields = [name for name in coupled if name in charged or name in named]
@@ -208,7 +209,7 @@ def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
         return solve(factors, materials=known)
 
     around = str(case.get("surroundings") or CHOICES["surroundings"][0])
-    kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), around)
+    kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), around, solids(case))
     single = leftout.SolvedCase(
         kind, case, solved, lambda name: allowable(name, case, known, _PHASES), {}, materials=known
     )

@@ -11,7 +11,7 @@ import xarray as xr
 from pydantic import PrivateAttr
 
 from solver import Material
-from solver.body import Kind, kind_of
+from solver.body import Kind, kind_of, solids
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
@@ -65,7 +65,14 @@ class Contents(Keys):
         usual = factors.get("profile", CHOICES["profile"][0])
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
         around = AIR if AIR in self.surroundings else self.surroundings[0]
-        return kind_of({*self.factors, *factors, *([BODY] if self.body else [])}, profile, around)
+        named = {*self.factors, *self.categories, *factors, *([BODY] if self.body else [])}
+        own = [self.own_materials.get(str(name), name) for name in [*solids(factors), *self._named_solids]]
+        return kind_of(named, profile, around, [*own, self.body])
+
+    @property
+    def _named_solids(self) -> list[str]:
+        """Names of materials and bases over which the cases range."""
+        return [name for factor in ("material", "base") for name in self.categories.get(factor, [])]
 
     @property
     def surroundings(self) -> list[str]:

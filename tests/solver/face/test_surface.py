@@ -24,9 +24,9 @@ def test_every_kind_in_space_has_a_case() -> None:
     ]  # fmt: skip
     assert {kind.name for kind in kinds} == {kind.name for kind in KINDS.values() if kind.space}
     assert kind_of(["cut"], "sphere").space
-    assert kind_of([], "sphere", material="quartz").space
-    assert not kind_of([], "sphere", material="LiNbO3").space
-    assert not kind_of([], "sphere", material="no such thing").space
+    assert kind_of([], "sphere", materials=["quartz"]).space
+    assert not kind_of([], "sphere", materials=["LiNbO3"]).space
+    assert not kind_of([], "sphere", materials=["no such thing"]).space
 
 
 def test_an_ellipsoid_on_a_half_space_has_the_charge_of_any_shape() -> None:

@@ -110,7 +110,8 @@ class SolvedCase:
     def half(self) -> float:
         """Radius of the contact, or half of its width [m]."""
         if self.point:
-            return self.solved["contact_radius"]
+            space = "contact_length_x" in self.solved
+            return self.solved["contact_length_x"] / 2 if space else self.solved["contact_radius"]
         return (self.solved["contact_trailing"] + self.solved["contact_leading"]) / 2
 
     @property
