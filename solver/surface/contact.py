@@ -189,7 +189,7 @@ class _Problem:
         """Contact on the grid that meets the error, with its companions of the same force."""
         window, state, grid = self._located(error)
         loadings = self._loadings(companions)
-        count, before, least = _COARSE, dict[str, float](), self._least_cells(window)
+        count, before, least = _COARSE // 2, dict[str, float](), self._least_cells(window)
         while True:
             count = min(2 * count, cells) if cells else 2 * count
             shape = window.counts(count)

@@ -30,6 +30,7 @@ _NEGLIGIBLE = 1000.0  # potential across the gap over that by the charges of a l
 _RAYS, _RAY_NODES, _FAR = 64, 40, 1e3  # of the gap's capacitance beyond, to this multiple of its end
 _FREE, _NEARLY = 14, 0.05  # steps after which, and residual below which, cells at the edge no longer change sides
 _CUT = 0.52  # of the elastance of a cell, times 1/w - 1 for a share w: a disc of 12 cells is then exact to 1e-3
+_LEAST_GAP = 1e-15  # m, of undeformed punches: rough ones reach below their mean; its capacitance shorts a cell
 _ROUNDING = 0.05  # resistance of the gap over the elastance of a cell, below which the gap counts as closing
 _STALLED = 2e-3  # residual that is accepted where the iteration ends
 _FORCING = 0.02  # share of a residual that the linear solution of one step leaves
@@ -257,7 +258,7 @@ def coarse_heights(shape: Shape, grid: Grid) -> Array:
     parts = (np.arange(_PARTS) + 0.5) / _PARTS - 0.5
     x, y = ((v[:, None] + parts * step).ravel() for v, step in zip((grid.x, grid.y), grid.size, strict=True))
     with np.errstate(divide="ignore"):
-        inverse = 1 / np.maximum(shape.gap(x[:, None], y), np.finfo(float).tiny)
+        inverse = 1 / np.maximum(shape.gap(x[:, None], y), _LEAST_GAP)
         mean = inverse.reshape(grid.x.size, _PARTS, grid.y.size, _PARTS).mean(axis=(1, 3))
         return np.asarray(1 / mean)
 

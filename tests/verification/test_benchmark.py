@@ -27,8 +27,8 @@ def test_every_problem_has_rows_and_no_digit_that_one_method_lacks() -> None:
 @pytest.mark.parametrize("problem", CHEAP, ids=lambda problem: problem.name)
 def test_cheap_rows_come_out_again(problem: Problem) -> None:
     expected = [row for row in ROWS if row["problem"] == problem.name]
-    found = list(problem.rows())
-    for row, again in zip(expected, found, strict=True):
+    solved = list(problem.rows())
+    for row, again in zip(expected, solved, strict=True):
         assert int(again["digits"]) >= MOST_DIGITS
         assert [again[key] for key in ("quantity", "units", "value")] == [
             row[key] for key in ("quantity", "units", "value")

@@ -1,12 +1,13 @@
 """The parametric study: one factor at a time about a baseline, on the exact solver, along the surface and inside."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from solver import solve, solve_interior
+from approximation.arrays import Array
+from solver import solve, solve_interior, solve_map
 from solver.fields import FIELDS, POINT_FIELDS
 from solver.names import FACTORS, OF_A_FILM
 from workflow.study.model import Study
@@ -14,6 +15,12 @@ from workflow.study.sections import Effects
 
 #: What stands for the value of a film's factor where there is no film.
 HALF_PLANE = "half-plane"
+#: Ending of the quantities of every random surface of a rough sphere.
+EACH = "_each"
+#: Quantities that are shown over the random surfaces.
+SPREAD = ("peak_pressure", "charge_per_force", "depth")
+_REALISATION = "realisation"
+_CELLS = 121  # of a map along each side, as in a figure of 4 cm
 
 
 def effect(study: Study, factor: str) -> xr.Dataset:
@@ -29,7 +36,13 @@ def effect(study: Study, factor: str) -> xr.Dataset:
     def solved(case: Mapping[str, Any]) -> xr.Dataset:
         return solve(case, positions, materials=study.own_materials, phases=study.phases)
 
-    out = _beside_half_plane(study.effects, factor, study.effects.case(factor), solved)
+    case, several = study.effects.case(factor), study.effects.realisations
+    if several > 1:
+        each = solved({**case, _REALISATION: np.arange(several)})
+        spread = {f"{name}{EACH}": each[name] for name in SPREAD if name in each}
+        out = each.isel({_REALISATION: 0}, drop=True).assign(spread)
+    else:
+        out = _beside_half_plane(study.effects, factor, case, solved)
     fields = [name for name in FIELDS | POINT_FIELDS if name in out]
     return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(fields))
 
@@ -49,6 +62,28 @@ def interior(study: Study, factor: str) -> xr.Dataset:
 
     out = _beside_half_plane(study.effects, factor, case, solved)
     return out.assign_attrs(title=f"effect of {factor} inside the body", fields=" ".join(shown.fields))
+
+
+def maps(study: Study, factor: str) -> xr.Dataset:
+    """Maps of contacts in space over (factor, y, x) at the factor's first, middle and last value, on one window."""
+    if study.effects is None:
+        raise ValueError("effects: the study has none")
+    case, values = study.effects.case(factor), study.effects.vary[factor]
+    values = [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
+    solved = [
+        solve_map({**case, factor: value}, materials=study.own_materials, phases=study.phases) for value in values
+    ]
+    x, y = (_window([data[axis].values for data in solved]) for axis in ("x", "y"))
+    together = [data.interp(x=x, y=y, method="linear").fillna(0.0) for data in solved]
+    kept = [data[["contact_pressure", "electric_displacement"]].drop_vars(factor, errors="ignore") for data in together]
+    labels = xr.DataArray(values, dims=factor, attrs={"units": FACTORS[factor].units if factor in FACTORS else "1"})
+    out = xr.concat(kept, factor, coords="minimal", compat="override").assign_coords({factor: labels})
+    return out.assign_attrs(title=f"effect of {factor} on the contact", fields="contact_pressure electric_displacement")
+
+
+def _window(axes: Sequence[Array]) -> Array:
+    """Points over the widest of several windows."""
+    return np.linspace(min(axis[0] for axis in axes), max(axis[-1] for axis in axes), _CELLS)
 
 
 def _beside_half_plane(

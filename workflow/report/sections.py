@@ -114,7 +114,7 @@ def effects(study: Study) -> list[str]:
     """Files of the fields of one factor at a time, under ``fields/`` and without their ending."""
     return [
         name.format(**wildcards)
-        for name, wildcards_of in ((_EFFECT, _varied), (_INTERIOR, _inside))
+        for name, wildcards_of in ((_EFFECT, _varied), (_INTERIOR, _inside), (_MAP, _mapped))
         for wildcards in wildcards_of(study)
     ]
 
@@ -143,6 +143,18 @@ def _inside(study: Study) -> Wildcards:
     return _varied(study) if study.effects and study.effects.interior else []
 
 
+def _mapped(study: Study) -> Wildcards:
+    return _varied(study) if study.kind.space else []
+
+
+def _repeated(study: Study) -> Wildcards:
+    return _varied(study) if study.effects and study.effects.realisations > 1 else []
+
+
+def _cut(study: Study) -> Wildcards:
+    return [{}] if "cut_angle" in study.factors else []
+
+
 def _measured(study: Study) -> Wildcards:
     return [{}] if study.measurements else []
 
@@ -151,7 +163,7 @@ def _converging(study: Study) -> Wildcards:
     return [{"group": group} for group in CONVERGING if study.verification]
 
 
-_EFFECT, _INTERIOR = "fields/effect_{name}", "fields/interior_{name}"
+_EFFECT, _INTERIOR, _MAP = "fields/effect_{name}", "fields/interior_{name}", "fields/map_{name}"
 _SENSITIVITY, _VALIDATION = "sensitivity.nc", "validation.nc"
 _ROWS, _CHECKS = "measured/measurements.json", "verification/{group}.json"
 _QUANTITIES, _INTEREST = ("quantities",), ("quantities", "of_interest")
@@ -201,6 +213,7 @@ PARTS = (
                 "Data set",
                 lambda page: page["dataset"],
                 (
+                    Figure("cut", "quantities.nc", "contact_maps.polar", "charge over the cut", _cut),
                     Figure(
                         "fields", "fields/slab_{slab}.nc", "field_panels.fields", "surface fields", _slabs, ("felt",)
                     ),
@@ -215,6 +228,8 @@ PARTS = (
                         "effect_{name}", f"{_EFFECT}.nc", "field_panels.effect", "surface fields", _varied, ("felt",)
                     ),
                     Figure("interior_{name}", f"{_INTERIOR}.nc", "field_panels.interior", "below the punch", _inside),
+                    Figure("map_{name}", f"{_MAP}.nc", "contact_maps.maps", "maps of the contact", _mapped),
+                    Figure("spread_{name}", f"{_EFFECT}.nc", "contact_maps.spread", "random surfaces", _repeated),
                 ),
             ),
         ),

@@ -15,6 +15,20 @@ rule effect:
         "../scripts/effect.py"
 
 
+rule map:
+    output:
+        "results/{study}/fields/map_{name}.nc",
+    params:
+        study=sections("phases", "materials", "effects"),
+        code=provenance.code("workflow/scripts/map.py"),
+    log:
+        "logs/{study}/map/{name}.log",
+    benchmark:
+        "logs/{study}/map/{name}.tsv"
+    script:
+        "../scripts/map.py"
+
+
 rule interior:
     output:
         "results/{study}/fields/interior_{name}.nc",

@@ -55,11 +55,14 @@ def press(study: Contents) -> None:
 
 def surround(study: Contents) -> None:
     """Give a study on films, or with a device, the surroundings that it does not name: air, or insulated if need be."""
-    if "surroundings" in _named(study) or not (study.device or (study.factors and study.kind.layered)):
+    around = study.kind.layered or study.kind.space
+    if "surroundings" in _named(study) or not (study.device or (study.factors and around)):
         return
     _place(study, AIR)
     line = "surroundings: air, the default of films and devices (fixed: {surroundings: insulated} leaves it out)"
-    if lacking := _lacking(study):
+    if study.kind.space:
+        line = "surroundings: air, the default of contacts in space"
+    elif lacking := _lacking(study):
         _place(study, _INSULATED)
         line = f"surroundings: insulated, since {lacking}"
     study.tell_default(line)

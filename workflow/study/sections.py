@@ -209,6 +209,9 @@ class Effects(Strict):
         default_factory=lambda: Positions(inside=200, outside=200), description="positions of the curves"
     )
     interior: Interior | None = Field(None, description="grid of contour plots below the punch")
+    realisations: int = Field(
+        1, ge=1, le=50, description="random surfaces of a rough sphere over which each effect is repeated"
+    )
 
     @model_validator(mode="after")
     def _bounded(self) -> Self:

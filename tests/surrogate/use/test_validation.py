@@ -131,13 +131,13 @@ def test_indices_under_a_distribution_are_those_of_its_moments() -> None:
     low, mode, high = -1.0, 0.5, 2.0
     triangular = scipy.stats.triang((mode - low) / (high - low), low, high - low)
     fourth, eighth = (float(triangular.moment(order)) for order in (4, 8))
-    one, two = 0.5 * (1 + 0.1 * fourth) ** 2, 7.0**2 / 8
-    both = 0.5 * 0.1**2 * (eighth - fourth**2)
+    single, two = 0.5 * (1 + 0.1 * fourth) ** 2, 7.0**2 / 8
+    pair = 0.5 * 0.1**2 * (eighth - fourth**2)
     indices = sobol(ishigami(), {"x3": triangular.ppf}).sel(output="f")
-    whole = one + two + both
+    whole = single + two + pair
     # the quantile function has square roots at its ends, and 64 nodes
-    np.testing.assert_allclose(indices["first_order"], np.array([one, two, 0]) / whole, rtol=0, atol=1e-5)
-    np.testing.assert_allclose(indices["total"], np.array([one + both, two, both]) / whole, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(indices["first_order"], np.array([single, two, 0]) / whole, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(indices["total"], np.array([single + pair, two, pair]) / whole, rtol=0, atol=1e-5)
 
 
 def test_outputs_of_one_or_no_input_have_trivial_indices() -> None:

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Sequence
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,10 +17,13 @@ from tests.studies import fitted
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
+from workflow.design.question.risk import WorstCase
 from workflow.design.question.sources import Exact, Factors, Predicted, shape
+from workflow.design.question.terms import Term
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.design.wording import table
+from workflow.language import statements
 from workflow.learning import training
 from workflow.study.model import Study
 from workflow.study.target import Target
@@ -226,3 +231,22 @@ def test_the_best_choice_that_holds_exactly_is_taken(low: GaussianProcess) -> No
     answer = targets.answer(STUDY, "sensor", choices, low)
     assert answer.variable("radius").value == 0.0505
     assert answer.feasible
+
+
+@pytest.mark.parametrize(("tabled", "most"), [(("friction",), 12), ((), 31)])
+def test_a_bias_of_the_surrogate_does_not_make_all_scenarios_of_a_film_decide(
+    monkeypatch: pytest.MonkeyPatch, tabled: tuple[str, ...], most: int
+) -> None:
+    """A flat quantity, 1e-4 over its range, that the surrogate has 5e-3 too large: 1e-6 of the error is not bias."""
+    angle = np.linspace(0.0, 3.0, 31)
+    exact = 1 + 1e-4 * np.sin(angle)
+    predicted = exact + 5e-3 + 1e-6 * np.cos(9 * angle)
+    monkeypatch.setattr(costly, "_solve", lambda design, chosen, columns, terms: [exact[columns][None]])
+    design: Any = SimpleNamespace(study=SimpleNamespace(kind=SimpleNamespace(tabled=tabled)))
+    limit = statements.limit("peak_pressure <= 2 Pa")
+    term = Term("a limit", limit.expression, limit.sign, WorstCase(), drawn=False, bound=2.0)
+    chosen: Any = SimpleNamespace(count=31)
+    counted = costly._count_exactly(design, chosen, term, predicted.reshape(1, 31, 1))
+    assert counted.value == exact.max()
+    assert counted.cases <= most
+    assert (counted.cases == most) == (not tabled)

@@ -125,13 +125,13 @@ def test_heat_beside_the_contact_is_that_of_an_insulated_edge() -> None:
         "touch_temperature": 294.15,
         "hold": 4e-6,
     }
-    found = effects(case)
+    budget = effects(case)
     material, solved = find("PZT-4"), solve(case)
     conductivity, capacity = (float(material.thermal[name].value) for name in ("conductivity", "heat_capacity"))
     width = (conductivity / capacity * 4e-6 / np.pi) ** 0.5
-    effect = found["heat beside the contact"]
+    effect = budget["heat beside the contact"]
     assert effect.left_out_size == pytest.approx(width, rel=1e-12)
-    share = found["heat"].left_out_share * 2 * width / float(solved["contact_radius"])
+    share = budget["heat"].left_out_share * 2 * width / float(solved["contact_radius"])
     assert effect.left_out_share == pytest.approx(share, rel=1e-9)
     below = effects(BALL | {"touch_temperature": 294.15, "hold": 4e-6})  # the punch collects below its contact alone
     assert below["heat beside the contact"].left_out_share < below["heat"].left_out_share * 2 * width / 3.6e-5

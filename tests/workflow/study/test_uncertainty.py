@@ -47,8 +47,8 @@ def test_the_first_design_question_tells_the_distribution_of_a_factor() -> None:
     assert list(study.distributions) == ["friction"]
     poled = study.design["poled"]
     narrow = poled.model_copy(update={"uncertain": {"friction": Distribution(uniform=[0.1, 0.2])}})
-    both = study.model_copy(update={"design": {"narrow": narrow, "poled": poled}})
-    assert both.distributions == {"friction": Distribution(uniform=[0.1, 0.2])}
+    pair = study.model_copy(update={"design": {"narrow": narrow, "poled": poled}})
+    assert pair.distributions == {"friction": Distribution(uniform=[0.1, 0.2])}
 
 
 def test_a_moved_study_is_solved_with_moved_constants(film: Study) -> None:

@@ -23,7 +23,7 @@ Bools = NDArray[np.bool_]
 
 #: Costly cases of one part of a question, and of one about films.
 AFFORDABLE, AFFORDABLE_FILMS = 1000, 150
-_MOST_SCENARIOS = 256  # of one value of one term
+_MOST_SCENARIOS, _MOST_FILMS = 256, 64  # of one value of one term
 _LEAST = 9  # designs of a front
 _BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
 _BATCH_FILMS = 3  # every one with tables of its own
@@ -121,14 +121,15 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
     while True:
         value = float(term.counted(values)[0])
         distances = np.abs(flat - value)
-        missing = term.deciding(values[0])
-        if solved.sum() < _MOST_SCENARIOS:
-            # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
-            missing |= distances <= 2 * error
-        missing &= ~solved
+        decides = term.deciding(values[0]) & ~solved
+        room = (_MOST_FILMS if films else _MOST_SCENARIOS) - int(solved.sum())
+        # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
+        missing = decides | ((distances <= 2 * error) & ~solved & (room > 0))
         if not missing.any():
             return Counted(value, int(solved.sum()))
-        batch = _batch(missing, solved, distances, _BATCH_FILMS if films else _BATCH)
+        most = max(room, int(decides.sum())) if films else chosen.count
+        order = np.where(decides, -1.0, distances)
+        batch = _batch(missing, solved, order, _BATCH_FILMS if films else _BATCH)[:most]
         if films and not solved.any() and values.shape[2] == 1:
             batch = np.union1d(batch, np.linspace(0, chosen.count - 1, _SPREAD).astype(int))
         exact = _solve(design, chosen, batch, [term])[0][0]
@@ -148,8 +149,8 @@ def _errors(values: Array, predicted: Array, solved: Bools) -> tuple[Array, floa
 
 
 def _batch(missing: Bools, solved: Bools, distances: Array, least: int) -> Indices:
-    """Scenarios to solve next: what is missing, and up to ``least`` those nearest to what decides."""
-    order = np.argsort(np.where(solved, np.inf, np.where(missing, -1.0, distances)), kind="stable")
+    """Scenarios to solve next, the nearest first: what is missing, and up to ``least`` others."""
+    order = np.argsort(np.where(solved, np.inf, distances), kind="stable")
     return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
 
 

@@ -96,43 +96,45 @@ function extentWords(device, size, centre, text) {
   return words(centre + half + 8, y, text, TINT.ink, "start");
 }
 
+// Words of either part: of the punch whole, and of its contact.
 function stackWords(device, size) {
   const { surface, height, low, whole, near } = PICTURE, middle = (whole[0] + whole[1]) / 2, centre = (near[0] + near[1]) / 2;
   const half = (size.contact * size.near) / 2;
   const name = SIZES[device.profile] || "R = ";
   const extent = device.point ? `a = ${said(device.trailing, "m", 3)}` : said(size.contact, "m", 3);
   const tip = ' marker-end="url(#stack-tip)"', { bad, soft, ink } = TINT;
-  const parts = [
+  const ofWhole = [
     stroke(middle, 4, middle, 38, bad, 1.6, tip), words(middle + 8, 16, said(device.load, device.units, 3), bad, "start"),
     ...(!device.slides ? [] : [stroke(whole[0] + 56, 28, whole[0] + 4, 28, bad, 1.6, tip), words(whole[0] + 4, 18, "slides", bad, "start")]),
     sizeWords(device, size, middle, name + (ENDLESS.includes(device.profile) ? digits(device.size, 3) : said(device.size, "m", 3))),
     words(whole[0], height - 10, "to scale", soft, "start"), ...scaleBar(size.whole),
+  ];
+  const parts = [
     words(near[0], height - 10, `the contact, at ${digits(size.near / size.whole, 2)} times that scale`, soft, "start"),
     half > STEEP.tips ? `<path d="M${at(device.point ? centre : centre - half)} ${surface - 16} H${at(centre + half)}" ${tipped}/>` : "",
     extentWords(device, size, centre, extent),
   ];
-  if (device.thickness === null) return [...parts, words(near[0] + 8, low - 10, device.point ? "half-space" : "half-plane", soft, "start")];
+  if (device.thickness === null) return [ofWhole, [...parts, words(near[0] + 8, low - 10, device.point ? "half-space" : "half-plane", soft, "start")]];
   const interface_ = surface + device.thickness * size.near, place = near[1] - 14;
   const electrode = `${device.base ? ", " : ""}grounded electrode between`;
   const between = !device.grounded ? "" : (device.base + electrode).length <= PICTURE.words ? electrode : ", electrode";
-  return [
+  return [ofWhole, [
     ...parts,
     `<path d="M${place} ${surface} V${at(interface_)}" ${tipped}/>`,
     words(place - 8, interface_ - surface > STEEP.line ? (surface + interface_) / 2 + 5 : interface_ + STEEP.line - 4, `film ${said(device.thickness, "m", 3)}`, ink, "end"),
     words(near[0] + 8, low - 10, device.base + between, soft, "start"),
-  ];
+  ]];
 }
 
 // The whole picture; `device` as in device.py: profile, corner, size, trailing, leading, load, conducts, thickness, base, grounded,
 // exponent, slides, point; and the unit of the load.
 function stackPicture(device) {
-  const size = measured(device);
+  const size = measured(device), [ofWhole, ofNear] = stackWords(device, size);
   return [
     `<rect width="${PICTURE.width}" height="${PICTURE.height}" fill="${TINT.paper}"/>`,
     '<marker id="stack-tip" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto-start-reverse"><path d="M0 0 8 4 0 8z" fill="context-stroke"/></marker>',
-    ...stackPart(device, size, PICTURE.whole, size.whole),
-    ...stackPart(device, size, PICTURE.near, size.near),
-    ...stackWords(device, size),
+    ...stackPart(device, size, PICTURE.whole, size.whole), ...ofWhole,
+    ...stackPart(device, size, PICTURE.near, size.near), ...ofNear,
   ].join("");
 }
 

@@ -1,0 +1,78 @@
+"""Effects of contacts in space: maps on one window, random surfaces, and the charge over the angle of a cut."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from workflow.dataset.effects import EACH, effect, maps
+from workflow.report.figures import contact_maps, style
+from workflow.study.model import load
+from workflow.study.reading import InputError
+
+ROUGH = """\
+title: Rough
+effects:
+  baseline:
+    {material: PZT-4, profile: rough_sphere, radius: 20 mm, roughness: 10 nm, force: 200 mN,
+     longest_wavelength: 100 um, shortest_wavelength: 30 um, grid_error: 0.1}
+  realisations: 3
+  positions: {inside: 10, outside: 10}
+  vary: {force: [0.1, 0.4]}
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    """File of a study."""
+    file = folder / "rough.yaml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_random_surfaces_are_solved_each_and_drawn_with_their_band(tmp_path: Path) -> None:
+    data = effect(load(written(tmp_path, ROUGH)), "force")
+    each = data[f"peak_pressure{EACH}"].transpose("force", "realisation")
+    assert each.shape == (2, 3)
+    assert np.all(np.ptp(each.values, axis=1) > 0.05 * each.values.mean(1))
+    np.testing.assert_allclose(each[:, 0], data["peak_pressure"], rtol=1e-12)  # the fields are those of the first
+    figure = contact_maps.spread(data)
+    assert [ax.get_ylabel() for ax in figure.axes if ax.get_visible()] == [
+        "contact pressure [MPa]", "charge per force [pC/N]", "depth [nm]",
+    ]  # fmt: skip
+
+
+def test_maps_share_a_window_that_holds_every_contact(tmp_path: Path) -> None:
+    data = maps(load(written(tmp_path, ROUGH)), "force")
+    pressure = data["contact_pressure"].transpose("force", "x", "y")
+    cell = float(np.diff(data["x"])[0] * np.diff(data["y"])[0])
+    # a map of 121 points reads a grid of 64 cells: the sum of the pressure is the force to some percent
+    np.testing.assert_allclose(pressure.sum(("x", "y")) * cell, [0.1, 0.4], rtol=0.05)
+    assert float(abs(pressure[:, [0, -1]]).max()) < 1e-6 * float(pressure.max())
+    style.save(contact_maps.maps(data), tmp_path / "map.svg")
+    assert (tmp_path / "map.svg").stat().st_size > 10_000
+
+
+def test_polar_plot_shows_both_signs_over_a_whole_turn() -> None:
+    angle = np.linspace(0.01, np.pi - 0.01, 40)
+    charge = xr.DataArray(1e-11 * np.sin(2 * angle), {"cut_angle": angle}, attrs={"units": "C N-1"})
+    (ax,) = contact_maps.polar(xr.Dataset({"charge_per_force": charge})).axes
+    shown = [np.isfinite(line.get_ydata()).sum() for line in ax.get_lines()]
+    assert shown == [20, 20, 20, 20]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "profile: rough_sphere",
+            "profile: ellipsoid, radius_x: 1 mm, radius_y: 2 mm",
+            "realisations: only a rough_sphere",
+        ),
+        ("realisations: 3", "interior: {}", "interior: of a contact in space is not solved"),
+        ("realisations: 3", "realisations: 51", "realisations"),
+    ],
+)
+def test_effects_that_contacts_in_space_lack_are_refused(old: str, new: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=message):
+        load(written(tmp_path, ROUGH.replace(old, new)))
