@@ -70,8 +70,8 @@ def fetch(address: str) -> bytes:
 def documented_profile(endpoint: str) -> dict[str, object]:
     """Profile of docs/runs.md with the endpoint of this machine's storage."""
     text = (ROOT / "docs/runs.md").read_text(encoding="utf-8")
-    blocks = re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
-    (profile,) = [entries for block in blocks if "default-storage-provider" in (entries := yaml.safe_load(block))]
+    (block,) = re.findall(r"^```\n(executor: .*?)^```", text, re.DOTALL | re.MULTILINE)
+    profile = yaml.safe_load(block)
     return {**profile, "storage-s3-endpoint-url": endpoint}
 
 

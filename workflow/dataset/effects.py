@@ -15,11 +15,8 @@ from workflow.study.sections import Effects
 
 #: What stands for the value of a film's factor where there is no film.
 HALF_PLANE = "half-plane"
-#: Ending of the quantities of every random surface of a rough sphere.
-EACH = "_each"
-#: Quantities that are shown over the random surfaces.
+#: Quantities that are shown over the random surfaces of a rough sphere.
 SPREAD = ("peak_pressure", "charge_per_force", "depth")
-_REALISATION = "realisation"
 _CELLS = 121  # of a map along each side, as in a figure of 4 cm
 
 
@@ -36,13 +33,7 @@ def effect(study: Study, factor: str) -> xr.Dataset:
     def solved(case: Mapping[str, Any]) -> xr.Dataset:
         return solve(case, positions, materials=study.own_materials, phases=study.phases)
 
-    case, several = study.effects.case(factor), study.effects.realisations
-    if several > 1:
-        each = solved({**case, _REALISATION: np.arange(several)})
-        spread = {f"{name}{EACH}": each[name] for name in SPREAD if name in each}
-        out = each.isel({_REALISATION: 0}, drop=True).assign(spread)
-    else:
-        out = _beside_half_plane(study.effects, factor, case, solved)
+    out = _beside_half_plane(study.effects, factor, study.effects.case(factor), solved)
     fields = [name for name in FIELDS | POINT_FIELDS if name in out]
     return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(fields))
 
@@ -62,6 +53,15 @@ def interior(study: Study, factor: str) -> xr.Dataset:
 
     out = _beside_half_plane(study.effects, factor, case, solved)
     return out.assign_attrs(title=f"effect of {factor} inside the body", fields=" ".join(shown.fields))
+
+
+def spread(study: Study, factor: str) -> xr.Dataset:
+    """Quantities of random surfaces of a rough sphere over (factor, realisation)."""
+    if study.effects is None:
+        raise ValueError("effects: the study has none")
+    surfaces = {**study.effects.case(factor), "realisation": np.arange(study.effects.realisations)}
+    out = solve(surfaces, materials=study.own_materials, phases=study.phases)
+    return out[[name for name in SPREAD if name in out]].assign_attrs(title=f"effect of {factor} over random surfaces")
 
 
 def maps(study: Study, factor: str) -> xr.Dataset:

@@ -114,7 +114,7 @@ def effects(study: Study) -> list[str]:
     """Files of the fields of one factor at a time, under ``fields/`` and without their ending."""
     return [
         name.format(**wildcards)
-        for name, wildcards_of in ((_EFFECT, _varied), (_INTERIOR, _inside), (_MAP, _mapped))
+        for name, wildcards_of in ((_EFFECT, _varied), (_INTERIOR, _inside), (_MAP, _mapped), (_SPREAD, _repeated))
         for wildcards in wildcards_of(study)
     ]
 
@@ -163,7 +163,8 @@ def _converging(study: Study) -> Wildcards:
     return [{"group": group} for group in CONVERGING if study.verification]
 
 
-_EFFECT, _INTERIOR, _MAP = "fields/effect_{name}", "fields/interior_{name}", "fields/map_{name}"
+_EFFECT, _INTERIOR = "fields/effect_{name}", "fields/interior_{name}"
+_MAP, _SPREAD = "fields/map_{name}", "fields/spread_{name}"
 _SENSITIVITY, _VALIDATION = "sensitivity.nc", "validation.nc"
 _ROWS, _CHECKS = "measured/measurements.json", "verification/{group}.json"
 _QUANTITIES, _INTEREST = ("quantities",), ("quantities", "of_interest")
@@ -229,7 +230,7 @@ PARTS = (
                     ),
                     Figure("interior_{name}", f"{_INTERIOR}.nc", "field_panels.interior", "below the punch", _inside),
                     Figure("map_{name}", f"{_MAP}.nc", "contact_maps.maps", "maps of the contact", _mapped),
-                    Figure("spread_{name}", f"{_EFFECT}.nc", "contact_maps.spread", "random surfaces", _repeated),
+                    Figure("spread_{name}", f"{_SPREAD}.nc", "contact_maps.spread", "random surfaces", _repeated),
                 ),
             ),
         ),

@@ -29,6 +29,20 @@ rule map:
         "../scripts/map.py"
 
 
+rule spread:
+    output:
+        "results/{study}/fields/spread_{name}.nc",
+    params:
+        study=sections("phases", "materials", "effects"),
+        code=provenance.code("workflow/scripts/spread.py"),
+    log:
+        "logs/{study}/spread/{name}.log",
+    benchmark:
+        "logs/{study}/spread/{name}.tsv"
+    script:
+        "../scripts/spread.py"
+
+
 rule interior:
     output:
         "results/{study}/fields/interior_{name}.nc",

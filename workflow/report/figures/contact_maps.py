@@ -6,7 +6,6 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from solver.units import prefixed
-from workflow.dataset.effects import EACH
 from workflow.language import numbers, titles
 from workflow.report.figures.style import (
     BLUE,
@@ -63,7 +62,7 @@ def _said(value: xr.DataArray) -> str:
 @styled
 def spread(data: xr.Dataset) -> Figure:
     """Quantities of every random surface over one factor, with their mean and the band that holds all of them."""
-    names = [str(name) for name in data.data_vars if str(name).endswith(EACH)]
+    names = [str(name) for name in data.data_vars]
     figure, axes = panels(len(names), 3, 10.5, 2.9)
     for ax, name in zip(axes, names, strict=True):
         (varied,) = (str(dim) for dim in data[name].dims if dim != "realisation")
@@ -76,7 +75,7 @@ def spread(data: xr.Dataset) -> Figure:
         ax.fill_between(x, y.min(1), y.max(1), color=BLUE, alpha=0.2, lw=0)
         ax.plot(x, y.mean(1), color=BLUE, lw=1.4)
         ax.plot(x, y, ls="", marker=".", ms=3, color=BLUE, alpha=0.6)
-        ax.set_ylabel(numbers.label(titles.title(name.removesuffix(EACH)), units, 32))
+        ax.set_ylabel(numbers.label(titles.title(name), units, 32))
         ax.set_xlabel(numbers.label(titles.title(varied), unit, 32))
         if values.dtype.kind not in "iuf":
             ax.set_xticks(x, [str(value) for value in values])
