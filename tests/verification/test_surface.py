@@ -1,5 +1,7 @@
 """Pressed surfaces of any cut by nested punches: closed forms, multipliers of other methods, and the point solver."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -7,7 +9,7 @@ from scipy.special import ellipe, ellipk
 
 import solver
 from verification.cases import constants
-from verification.oracles.surface import VACUUM, Press, body, film, half_space, tensor
+from verification.oracles.surface import VACUUM, Press, State, body, film, half_space, tensor
 
 Array = NDArray[np.float64]
 
@@ -128,3 +130,34 @@ def test_a_sliding_ball_presses_less_with_the_square_of_friction() -> None:
     assert force[1] / force[0] == pytest.approx(4, rel=0.02)
     assert slow.centre[0] < 0
     assert fast.centre[0] / slow.centre[0] == pytest.approx(2, rel=0.01)
+
+
+#: The solver's grids agree within 1e-3; the largest error measured is 1.1e-3, of a charge at a friction of 0.6.
+GRID = 2e-3
+
+
+def in_space(state: State, factors: dict[str, Any]) -> None:
+    """Compare a state with the solver's contact in space of the same force and charge."""
+    solved = solver.solve({"force": state.press.force, "total_charge": state.charge} | factors)
+    assert float(solved["charge_per_force"]) == pytest.approx(state.charge / state.press.force, rel=GRID)
+    assert float(solved["depth"]) == pytest.approx(state.depth, rel=GRID)
+    area = np.pi * abs(np.linalg.det(state.axes))
+    assert float(solved["contact_area"]) == pytest.approx(area, rel=2e-2)  # cells that the edge cuts
+
+
+def test_an_ellipsoid_on_a_film_is_the_solver_s() -> None:
+    state = Press(body(hexagonal("PZT-4"), thickness=1e-4), (200.0, 50.0), 4.0, harmonics=3).contact()
+    ellipsoid = {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 20e-3, "surroundings": "insulated"}
+    in_space(state, ellipsoid | {"material": "PZT-4", "thickness": 1e-4, "base": "rigid"})
+
+
+def test_a_ball_that_slides_to_every_order_is_the_solver_s() -> None:
+    state = Press(body(hexagonal("BaTiO3"), 0.6), (200.0, 200.0), 10.0).contact()
+    ball = {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 5e-3, "surroundings": "insulated"}
+    in_space(state, ball | {"material": "BaTiO3", "friction": 0.6})
+
+
+def test_a_ball_on_a_cut_in_air_is_the_solver_s() -> None:
+    state = Press(body(niobate(36.0)), (200.0, 200.0), 10.0, reach=60.0, end=5e-3, harmonics=2).contact()
+    cut = {"material": "LiNbO3", "cut": "rotated Y", "cut_angle": np.radians(36)}
+    in_space(state, cut | {"profile": "sphere", "radius": 5e-3, "surroundings": "air"})

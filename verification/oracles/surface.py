@@ -137,10 +137,11 @@ def body(
     depths = _DEEP * (1 - np.cos(np.pi * (np.arange(_DEPTHS) + 0.5) / _DEPTHS)) / 2
     layered = film(whole, depths, azimuths[: _AZIMUTHS // 2], base)
     layered = np.concatenate([layered, layered.conj()], axis=1)  # waves that run the other way
-    excess: Complex = pick.T @ (layered - above) @ push
+    excess = pick.T @ (layered - above) @ push
     flat = np.fft.fft(excess, axis=1).reshape(_DEPTHS, -1) / _AZIMUTHS
     series = np.linalg.solve(chebyshev.chebvander(2 * depths / _DEEP - 1, _DEPTHS - 1), flat)
-    return Body(np.fft.fft(half, axis=0) / _AZIMUTHS, series.reshape(_DEPTHS, _AZIMUTHS, 2, 2), thickness)
+    layers = np.asarray(series.reshape(excess.shape), dtype=np.complex128)
+    return Body(np.fft.fft(half, axis=0) / _AZIMUTHS, layers, thickness)
 
 
 # --- nested punches ---
