@@ -140,7 +140,8 @@ def body(
     excess: Complex = pick.T @ (layered - above) @ push
     flat = np.fft.fft(excess, axis=1).reshape(_DEPTHS, -1) / _AZIMUTHS
     series = np.linalg.solve(chebyshev.chebvander(2 * depths / _DEEP - 1, _DEPTHS - 1), flat)
-    return Body(np.fft.fft(half, axis=0) / _AZIMUTHS, series.reshape(_DEPTHS, _AZIMUTHS, 2, 2), thickness)
+    terms = np.asarray(series, dtype=np.complex128).reshape(_DEPTHS, _AZIMUTHS, 2, 2)
+    return Body(np.fft.fft(half, axis=0) / _AZIMUTHS, terms, thickness)
 
 
 # --- nested punches ---
