@@ -93,7 +93,7 @@ class Material:
 
     Examples
     --------
-    >>> stiffness = {"c11": "126 GPa", "c13": "84.1 GPa", "c33": "117 GPa", "c44": "23 GPa"}
+    >>> stiffness = {"c11": "126 GPa", "c12": "79.5 GPa", "c13": "84.1 GPa", "c33": "117 GPa", "c44": "23 GPa"}
     >>> coupling = {"e31": -6.5, "e33": 23.3, "e15": 17.0, "eps11": 15e-9, "eps33": 13e-9}
     >>> soft = Material(**stiffness, **coupling, name="soft")
     >>> soft.check()
@@ -101,6 +101,8 @@ class Material:
     ((), {}, 23.3)
     >>> float(soft.generalised_stiffness()[2][1, 1])  # T's c33
     117000000000.0
+    >>> soft.axial, soft.require_axial(), float(soft.stiffness_tensor()[2, 2, 2, 2])  # c33
+    (True, None, 117000000000.0)
     """
 
     c11: Array

@@ -68,8 +68,8 @@ def maps(study: Study, factor: str) -> xr.Dataset:
     """Maps of contacts in space over (factor, y, x) at the factor's first, middle and last value, on one window."""
     if study.effects is None:
         raise ValueError("effects: the study has none")
-    case, values = study.effects.case(factor), study.effects.vary[factor]
-    values = [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
+    case, every = study.effects.case(factor), study.effects.vary[factor]
+    values = [every[k] for k in dict.fromkeys((0, len(every) // 2, len(every) - 1))]
     solved = [
         solve_map({**case, factor: value}, materials=study.own_materials, phases=study.phases) for value in values
     ]

@@ -11,6 +11,9 @@ import xarray as xr
 
 from solver import find, solve
 from solver.body import kind_of
+from solver.surface import response as surface
+from solver.surface.contact import solve_contact
+from solver.surface.shape import Roller, RoughSphere, sphere
 from tests.workflow.design.test_answer import ANSWER
 from workflow.design.verdict import leftout
 from workflow.design.verdict.leftout import LeftOut, SolvedCase
@@ -101,6 +104,39 @@ def test_roughness_is_that_on_a_grid(rms: float, waves: float, grid: float, monk
     monkeypatch.setattr(leftout, "ROUGHNESS", rms / waves)
     rough = effects({"profile": "sphere", "radius": 0.02, "force": 0.2}, {"contact_radius": 3.6313e-5})["roughness"]
     assert grid * 0.995 < 1 + rough.left_out_share < grid * 1.14
+
+
+def test_rules_of_roughness_and_tilt_are_those_of_contacts_in_space() -> None:
+    """Mean of five random surfaces within a tenth; a tilted roller on a half-space within a sixth."""
+    body = surface.SurfaceBody((), find("PZT-4").stiffness_tensor())
+    for radius, force, rms in ((5e-3, 1.0, 1e-8), (20e-3, 0.02, 1e-8)):  # crests flattened, and apart
+        smooth = solve_contact(body, sphere(radius), force=force, voltage=0.0, air=None, cells=48)
+        half = float(np.sqrt(smooth.area / np.pi))
+        raised = [
+            solve_contact(
+                body, RoughSphere(radius, rms, 2 * half, half / 2, number), force=force, voltage=0.0, air=None, cells=48
+            ).peak_pressure
+            for number in range(5)
+        ]
+        case = {"profile": "sphere", "radius": radius, "force": force}
+        rule = effects(case, {"contact_radius": half})["roughness"]
+        assert np.mean(raised) / smooth.peak_pressure == pytest.approx(1 + rule.left_out_share, rel=0.1)
+
+    radius, length, load, tilt = 20e-3, 5e-3, 5e3, 1e-4
+    plane, tilted = (
+        solve_contact(body, Roller(radius, length, tilt=slope), force=load * length, voltage=0.0, air=None, cells=48)
+        for slope in (0.0, tilt)
+    )
+    middle = plane.y.size // 2
+    half = float(plane.weight[:, middle].sum() * (plane.x[1] - plane.x[0]) / 2)
+    away = np.abs(tilted.y) < length / 2 - 2 * half  # from the sharp ends, where the pressure has no bound
+    raised = float(tilted.pressure[:, away].max() / plane.pressure[:, middle].max())
+    rule = effects(
+        ROLLER | {"radius": radius, "load": load},
+        LINE | {"contact_trailing": half, "contact_leading": half},
+        {"electrode_length": length},
+    )["tilt"]
+    assert raised == pytest.approx(1 + rule.left_out_share, rel=1 / 6)
 
 
 def test_the_quickstart_ball_has_the_figures_of_its_page() -> None:

@@ -5,6 +5,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from approximation.arrays import Array
 from solver.units import prefixed
 from workflow.language import numbers, titles
 from workflow.report.figures.style import (
@@ -68,7 +69,7 @@ def spread(data: xr.Dataset) -> Figure:
         (varied,) = (str(dim) for dim in data[name].dims if dim != "realisation")
         values = data[varied].values
         scale, unit = factor_scale(varied, values) if values.dtype.kind in "iuf" else (1.0, "")
-        x = values / scale if values.dtype.kind in "iuf" else np.arange(values.size)
+        x: Array = values / scale if values.dtype.kind in "iuf" else np.arange(float(values.size))
         each = data[name].transpose(varied, "realisation")
         divisor, units = prefixed(float(np.abs(each).max()), str(each.attrs["units"]), digits=2)
         y = each.values / divisor
