@@ -93,7 +93,7 @@ def library() -> dict[str, Any]:
     return {
         "constants": UNITS,
         "defaults": {"eps": VACUUM_PERMITTIVITY, "mu": VACUUM_PERMEABILITY},
-        "materials": {name: _marked(material.plain()) for name, material in materials().items()},
+        "materials": {name: _marked(material.plain()) for name, material in materials().items() if material.axial},
         "alloy": _alloy(),
         "films": {
             name: {"factors": film, "top": _marked(top_of(film).plain()), "thickness": THICKNESSES[name]}

@@ -31,6 +31,8 @@ _RULES = {
     "press": "a press in time",
     "effect": "effect of {name}",
     "interior": "effect of {name} below the punch",
+    "map": "maps of the contact over {name}",
+    "spread": "effect of {name} on random surfaces",
     "check": "verification {group}",
     "verdict": "judging the verification",
     "measurements": "asking the model for what was measured",

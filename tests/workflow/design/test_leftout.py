@@ -130,13 +130,13 @@ def test_rules_of_roughness_and_tilt_are_those_of_contacts_in_space() -> None:
     middle = plane.y.size // 2
     half = float(plane.weight[:, middle].sum() * (plane.x[1] - plane.x[0]) / 2)
     away = np.abs(tilted.y) < length / 2 - 2 * half  # from the sharp ends, where the pressure has no bound
-    raised = float(tilted.pressure[:, away].max() / plane.pressure[:, middle].max())
+    lifted = float(tilted.pressure[:, away].max() / plane.pressure[:, middle].max())
     rule = effects(
         ROLLER | {"radius": radius, "load": load},
         LINE | {"contact_trailing": half, "contact_leading": half},
         {"electrode_length": length},
     )["tilt"]
-    assert raised == pytest.approx(1 + rule.left_out_share, rel=1 / 6)
+    assert lifted == pytest.approx(1 + rule.left_out_share, rel=1 / 6)
 
 
 def test_the_quickstart_ball_has_the_figures_of_its_page() -> None:
