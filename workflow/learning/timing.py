@@ -16,6 +16,7 @@ from workflow.study.refusals import REFUSAL
 
 #: Cases on which what is searched for over the body is timed, and those of films with tables of their own.
 _SEARCHED, _FILMS = 200, 8
+_IN_SPACE = 3  # cases of contacts in space that are timed: seconds each, and no two share more than the kernel
 
 
 def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> dict[str, float]:
@@ -26,11 +27,12 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     points = {name: cases[name] for name in study.factors}
     X = np.stack([array.values for array in points.values()], -1)
     count = X.shape[0]
+    exact = _in_space if study.kind.space else _films if study.kind.tabled else _half_planes
     times = {
         "cases": float(study.cases),
         "queries": float(count),
         "outputs": float(len(study.outputs)),
-        **(_films(plain, points, with_holes) if study.kind.tabled else _half_planes(plain, points, with_holes)),
+        **exact(plain, points, with_holes),
         "surrogate_fit": (_once if study.crossed else seconds)(lambda: training.fit(study, quantities)),
         "surrogate_mean_per_query": seconds(lambda: model.predict_array(X)) / count,
         "surrogate_mean_std_per_query": seconds(lambda: model.predict_array(X, return_std=True)) / count,
@@ -80,6 +82,14 @@ def _films(study: Study, points: dict[str, xr.DataArray], with_holes: bool) -> d
         "exact_per_scattered_case": _once(lambda: factorial.exact(study, scattered)) / (_FILMS * combinations),
         "exact_single_case": _once(lambda: factorial.exact(single, {name: levels[-1] for name, levels in new.items()})),
     }
+
+
+def _in_space(study: Study, points: dict[str, xr.DataArray], _with_holes: bool) -> dict[str, float]:
+    """The same of contacts in space, which are solved one by one."""
+    few = {name: values[:_IN_SPACE] for name, values in points.items()}
+    count = len(next(iter(few.values()))) * len(study.combinations)
+    alone = _once(lambda: factorial.exact(study, few)) / count
+    return dict.fromkeys(("exact_per_factorial_case", "exact_per_scattered_case", "exact_single_case"), alone)
 
 
 def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float | str]]:
