@@ -19,7 +19,7 @@ from tqdm import tqdm
 import solver
 from approximation.arrays import Indices
 from solver import FactorError, Material, MaterialError, SmallStrainWarning, solve, solve_interior
-from solver.body import kind_of, solids
+from solver.body import around, kind_of, solids
 from solver.face.attributes import of_output, united
 from solver.face.filmfactors import present, settled
 from solver.face.strain import Excess, sentence
@@ -208,8 +208,8 @@ def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
     def solved(factors: Mapping[str, Any]) -> xr.Dataset:
         return solve(factors, materials=known)
 
-    around = str(case.get("surroundings") or CHOICES["surroundings"][0])
-    kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), around, solids(case))
+    surroundings = str(case.get("surroundings") or around(case))
+    kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), surroundings, solids(case))
     single = leftout.SolvedCase(
         kind, case, solved, lambda name: allowable(name, case, known, _PHASES), {}, materials=known
     )

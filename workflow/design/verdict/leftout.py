@@ -270,7 +270,27 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
 def _uniform(case: SolvedCase, solved: xr.Dataset) -> float:
     """Charge of a change of temperature everywhere [C/K]."""
     factors = {**case.factors, **({BODY: case.body} if case.body else {})}
-    return abs(case.length * responses(factors, solved, np.empty(0), case.materials, case.phases)[1])
+    return abs(case.length * responses(factors, solved, np.empty(0), case.materials, case.phases)[1]) * _through_gap(
+        case
+    )
+
+
+def _through_gap(case: SolvedCase) -> float:
+    """Charge of a ball in air over that of its contact alone, by a change of temperature everywhere.
+
+    A film of one temperature has the same open voltage at every place. So the charge is that voltage times the
+    capacitance of the ball, gap included (reciprocity).
+    """
+    stack, capacitance = case.stack, case.solved.get("capacitance_at_force")
+    others = ("patch_charge_per_force", "electrode_charge_per_force")
+    if not (case.kind.air and case.point and stack and capacitance) or any(name in case.solved for name in others):
+        return 1.0
+    top = stack.layers[0]
+    film = top.material
+    permittivity = float(film.eps33 + film.e33**2 / film.c33)
+    if 2 not in stack.grounded[0] or not permittivity > 0:
+        return 1.0
+    return max(1.0, capacitance * float(top.thickness) / (permittivity * np.pi * case.half**2))
 
 
 def _pad(case: SolvedCase) -> Iterator[LeftOut]:
@@ -298,20 +318,21 @@ def _bending(case: SolvedCase) -> Iterator[LeftOut]:
         return
     base = stack.base
     poisson = float(base.c12 / (base.c11 + base.c12))
-    young = float(2 * base.c44 * (1 + poisson))
+    biaxial = float(base.c11 + base.c12 - 2 * base.c13**2 / base.c33)  # E/(1 - nu) of an isotropic base
+    plate = float(base.c11 - base.c13**2 / base.c33)  # E/(1 - nu^2)
     films = [layer.material for layer in stack.layers]
     coefficient = max(abs(float(film.e31 - film.e33 * film.c13 / film.c33)) for film in films)
-    if not np.isfinite(young) or not coefficient:
+    if not np.isfinite(biaxial) or not coefficient:
         return
     pad = case.collecting
     if case.point:
         moments = pad**2 / 4 * (2 * (1 + poisson) * (np.log(SUPPORT / pad) + 0.5) + 1 - poisson)
-        stretched = 6 * (1 - poisson) / young * moments
+        stretched = 6 / biaxial * moments
     else:
-        stretched = 6 * (1 - poisson**2) / young * (SUPPORT - pad / 2) * pad
+        stretched = 6 / plate * (SUPPORT - pad / 2) * pad
     thickness = float(np.sqrt(coefficient * stretched * case.force / (_FEW * case.charge)))
     brief = f"a base thinner than {shown(thickness, 'm', 2)} on supports {shown(SUPPORT, 'm', 2)} away bends"
-    detail = f", and adds more than {number(100 * _FEW, 2)} % to the charge"
+    detail = f", and changes the charge by more than {number(100 * _FEW, 2)} %"
     yield _effect(case, "bending of the base", "", thickness, np.nan, "m", np.nan, brief, detail)
 
 
