@@ -20,7 +20,9 @@ _X, _Y = np.linspace(-3.0, 3.0, 121), -np.linspace(0.03, 3.0, 61)
 
 
 def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
-    """Exact fields of one case of a study."""
+    """Exact fields of one case of a study; none of a contact in space, which has maps in place of lines."""
+    if study.kind.space:
+        return xr.Dataset()
     factors = {**study.fixed, **case}
     surface = factorial.exact(study, dict(case), _POSITIONS.values(), peaks=())
     parts = {f"field_{name}": surface[name].reset_coords(drop=True) for name in SURFACE if name in surface}
