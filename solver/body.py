@@ -7,7 +7,7 @@ class of ``face/solution.py``. Nothing else asks which kind a case is: what diff
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 from solver.described import Contact, Described, Loads
 from solver.fields import FIELDS, POINT_FIELDS
@@ -81,6 +81,12 @@ class Kind:
     def ends(self) -> tuple[str, str]:
         """The quantities that its contact extends to the trailing and to the leading side by."""
         return ("contact_length_x", "contact_length_x") if self.space else ENDS[self.contact]
+
+    def extents(self, solved: Mapping[str, Any]) -> tuple[Any, Any]:
+        """How far a contact extends to the trailing and to the leading side [m]: half of a length in space."""
+        share = 0.5 if self.space else 1.0
+        trailing, leading = self.ends
+        return share * solved[trailing], share * solved[leading]
 
     @property
     def fields(self) -> Mapping[str, Described]:

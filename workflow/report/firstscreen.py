@@ -12,7 +12,7 @@ from markupsafe import Markup
 from approximation.arrays import Array
 from solver import find
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
+from solver.names import AIR, ANGLED_CUTS, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
 from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer
@@ -31,6 +31,8 @@ from workflow.study.model import Study
 from workflow.study.target import Target
 
 _AROUND = {AIR: "in air", "insulated": "insulated around"}
+#: Radius that the section of a punch in space shows.
+_SECTION = {"ellipsoid": "radius_x", "roller": "radius", "rough_sphere": "radius"}
 _LITTLE = 1e-5  # share that is told as less than that
 #: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
@@ -111,13 +113,13 @@ def doubted(study: Study) -> str:
 def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.Device:
     """Return the drawing's data of a case."""
     profile = str(case.get("profile", CHOICES["profile"][0]))
-    trailing, leading = study.kind.ends
+    trailing, leading = study.kind.extents(contact)
     return device.Device(
         profile,
         str(case.get("corner", CHOICES["corner"][0])),
-        float(case[PROFILES[profile].needs[-1]]),
-        contact[trailing],
-        contact[leading],
+        float(case[_SECTION.get(profile, PROFILES[profile].needs[-1])]),
+        trailing,
+        leading,
         float(case[study.kind.loads.force]),
         case.get("electric", CHOICES["electric"][0]) == "conducting",
         study.body[0].at(case)["thickness"] if study.body else float(case["thickness"]) if study.kind.layered else None,
@@ -164,7 +166,7 @@ def _layer(study: Study, case: Case, *, first: bool = True) -> str:
     """One layer, or the whole body, as ``Fibrous, 67 % BaTiO3, 230 µm``; with a small letter if not the first."""
     composite = str(case.get("composite", CHOICES["composite"][0]))
     if "material" in case:
-        words = str(case["material"])
+        words = str(case["material"]) + (_cut(case) if first else "")
     elif composite not in MIXTURES:
         share = float(case[COMPOSITES[composite]])
         formula = FORMULAS.get(composite, f"{composite}, {titles.title(COMPOSITES[composite])} {{share}}")
@@ -173,6 +175,13 @@ def _layer(study: Study, case: Case, *, first: bool = True) -> str:
         composite = composite.capitalize() if first else composite
         words = f"{composite}, {number(100 * float(case['volume_fraction']), 3)} % {study.phases[0]}"
     return f"{words}, {titles.value('thickness', float(case['thickness']), 3)}" if "thickness" in case else words
+
+
+def _cut(case: Case) -> str:
+    """Cut of a crystal, as ``, rotated Y cut of 46 deg``."""
+    cut = str(case.get("cut", ""))
+    angle = f" of {number(float(np.degrees(float(case['cut_angle']))), 3)} deg" if cut in ANGLED_CUTS else ""
+    return f", {cut} cut{angle}" if cut else ""
 
 
 def _base(case: Case) -> str:
@@ -194,11 +203,24 @@ def punch_in_words(case: Case) -> str:
     return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
 
 
+def _in_space(profile: str, case: Case) -> str:
+    """The punch of a contact in space, without what it is made of."""
+    sizes = {name: titles.value(name, float(case[name]), 3) for name in PROFILES[profile].takes if name in case}
+    if profile == "ellipsoid":
+        return f"ellipsoid, R = {sizes['radius_x']} and {sizes['radius_y']}"
+    if profile == "roller":
+        crown = f", crown of {sizes['crown_radius']}" if "crown_radius" in sizes else ""
+        return f"roller, R = {sizes['radius']}, {sizes['length']} long{crown}"
+    return f"rough ball, R = {sizes['radius']}, {sizes['roughness']} rms"
+
+
 def _round(profile: str, case: Case) -> str:
     """The punch of a point contact, with what it is made of where that deforms."""
     material = str(case.get("punch", RIGID_PUNCH))
     material = "" if material == RIGID_PUNCH else f"{material.replace('_', ' ')} "
     size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
+    if profile in _SECTION:
+        return material + _in_space(profile, case)
     words = {
         "sphere": "ball, R = {}",
         "cone": f"cone of slope {slope}",

@@ -217,7 +217,7 @@ _OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "trains")
 
 def drawable(study: Study) -> bool:
     """Return whether the panel knows the contact that its drawing shows."""
-    return set(study.outputs) >= set(study.kind.ends)
+    return not study.kind.space and set(study.outputs) >= set(study.kind.ends)
 
 
 def closed_pressure(study: Study, combination: Combination) -> bool:

@@ -33,6 +33,8 @@ _SLOW = 20.0  # seconds of the processor from which on a case is told before the
 def check_contact(study: Contents) -> None:
     """Raise ValueError unless all cases have one kind of contact, for which the device is made."""
     profiles = study.categories.get("profile", [])
+    if study.design and "map" in (study.fixed.get("profile"), *profiles):
+        raise ValueError("profile: map: designs draw no height map; must be another profile, or effects")
     if len({PROFILES[name].contact for name in profiles if name in PROFILES}) > 1:
         raise ValueError(f"categories: profile: {', '.join(profiles)}: lines and points need a study each")
     if study.device is not None:

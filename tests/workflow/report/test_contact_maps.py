@@ -1,13 +1,17 @@
 """Effects of contacts in space: maps on one window, random surfaces, and the charge over the angle of a cut."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 
+from solver.body import KINDS
 from workflow.dataset.effects import maps, spread
+from workflow.report import device, firstscreen
 from workflow.report.figures import contact_maps, style
+from workflow.report.svg import element
 from workflow.study.model import load
 from workflow.study.reading import InputError
 
@@ -75,3 +79,31 @@ def test_polar_plot_shows_both_signs_over_a_whole_turn() -> None:
 def test_effects_that_contacts_in_space_lack_are_refused(old: str, new: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=message):
         load(written(tmp_path, ROUGH.replace(old, new)))
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        (
+            {"profile": "roller", "radius": 0.02, "length": 5e-3, "crown_radius": 3.0, "punch": "steel"},
+            "PZT-4, 100 µm on steel; steel roller, R = 20 mm, 5 mm long, crown of 3 m, in air",
+        ),
+        (
+            {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 0.01},
+            "PZT-4, 100 µm on steel; ellipsoid, R = 5 mm and 10 mm, in air",
+        ),
+        (
+            {"profile": "sphere", "radius": 5e-3, "cut": "tilt", "cut_angle": np.pi / 6},
+            "PZT-4, tilt cut of 30 deg, 100 µm on steel; ball, R = 5 mm, in air",
+        ),
+    ],
+)
+def test_cards_name_and_draw_punches_in_space(case: dict[str, float | str], words: str, tmp_path: Path) -> None:
+    study = load(written(tmp_path, ROUGH))
+    whole = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "surroundings": "air", "force": 1.0, **case}
+    film = SimpleNamespace(**{name: getattr(study, name) for name in ("device", "phases", "own_materials")})
+    film.body, film.kind, film.surroundings = [], KINDS["space", True, True], ["air"]
+    assert firstscreen.in_words(film, whole) == words  # type: ignore[arg-type]
+    drawn = firstscreen.of_case(film, whole, {"contact_length_x": 2e-4})  # type: ignore[arg-type]
+    assert (drawn.contact, drawn.size) == (2e-4, case.get("radius", 5e-3))
+    assert "<svg" in str(element(device.draw(drawn, "a punch"), "punch", "a punch"))

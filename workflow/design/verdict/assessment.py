@@ -290,8 +290,8 @@ def _thickness(design: Question, corner: Mapping[str, Array]) -> Array | None:
 
 def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
     """Remarks on a contact that is too wide for a parabola or too shallow for real surfaces."""
-    trailing, leading = design.study.kind.ends
-    width, radius = corner[trailing] + corner[leading], _radius(design, corner)
+    trailing, leading = design.study.kind.extents(corner)
+    width, radius = trailing + leading, _radius(design, corner)
     share = float((width / radius).max()) if radius is not None else 0.0
     flags = [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []
     if "depth" in corner and width.max() > _WIDE and (depth := float(corner["depth"].max())) < _SMOOTH:

@@ -77,9 +77,9 @@ def beyond_small_strain(
 ) -> list[tuple[str, str]]:
     """Contacts too wide or too deep for small strain, in words with both numbers, and the reason."""
     lines = []
-    ends = [corner[name] for name in study.kind.ends]
     if radius is not None:
-        half = (ends[0] + ends[1]) / 2
+        trailing, leading = study.kind.extents(corner)
+        half = (trailing + leading) / 2
         share = float((half / radius).max())
         if share > WIDE:
             words = (
