@@ -218,7 +218,8 @@ class _Contact:
         """Layers of the case; None of a half-space."""
         case, values = self.case, self.case.values
         if BODY in values:
-            return values[BODY].item()  # type: ignore[no-any-return]
+            body: Stack = values[BODY].item()
+            return body
         if not case.kind.layered:
             return None
         electric = None if absent(said := self._said("interface_electric")) else str(said)

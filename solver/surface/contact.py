@@ -80,9 +80,8 @@ class SurfaceContact:
     @property
     def lengths(self) -> tuple[float, float]:
         """Lengths of the contact along x and y [m]."""
-        spans = [np.max(self.weight, axis=axis) for axis in (1, 0)]
-        steps = (float(self.x[1] - self.x[0]), float(self.y[1] - self.y[0]))
-        return tuple(_span(s) * step for s, step in zip(spans, steps, strict=True))  # type: ignore[return-value]
+        along_x, along_y = np.max(self.weight, axis=1), np.max(self.weight, axis=0)
+        return _span(along_x) * float(self.x[1] - self.x[0]), _span(along_y) * float(self.y[1] - self.y[0])
 
     @property
     def peak_pressure(self) -> float:

@@ -122,7 +122,7 @@ class System:
             inside = np.zeros(coarse.shape, dtype=bool)
             covered = slice(_LEVEL_CELLS // 2 - _COVERED // 2, _LEVEL_CELLS // 2 + _COVERED // 2)
             inside[covered, covered] = True
-            self._interpolation.append(tuple(_linear(c, f) for c, f in ((coarse.x, grid.x), (coarse.y, grid.y))))  # type: ignore[arg-type]
+            self._interpolation.append((_linear(coarse.x, grid.x), _linear(coarse.y, grid.y)))
             heights.append(height)
             outside.append(~inside)
             areas.append(coarse.area / self.grid.area)
