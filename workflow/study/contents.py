@@ -11,7 +11,7 @@ import xarray as xr
 from pydantic import PrivateAttr
 
 from solver import Material
-from solver.body import Kind, kind_of, solids
+from solver.body import Kind, around, kind_of, solids
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
@@ -64,10 +64,10 @@ class Contents(Keys):
         factors = self.fixed if self.factors or self.effects is None else {**self.effects.baseline, **self.fixed}
         usual = factors.get("profile", CHOICES["profile"][0])
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
-        around = AIR if AIR in self.surroundings else self.surroundings[0]
+        beside = AIR if AIR in self.surroundings else self.surroundings[0]
         named = {*self.factors, *self.categories, *factors, *([BODY] if self.body else [])}
         own = [self.own_materials.get(str(name), name) for name in [*solids(factors), *self._named_solids]]
-        return kind_of(named, profile, around, [*own, self.body])
+        return kind_of(named, profile, beside, [*own, self.body])
 
     @property
     def _named_solids(self) -> list[str]:
@@ -77,6 +77,10 @@ class Contents(Keys):
     @property
     def surroundings(self) -> list[str]:
         """Distinct surroundings of the cases: names of the factor ``surroundings``."""
+        if self.effects and not self.factors:
+            case = {**self.effects.baseline, **self.fixed}
+            varied = self.effects.vary.get("surroundings", [case.get("surroundings", around(case))])
+            return [str(name) for name in varied]
         usual = self.fixed.get("surroundings", CHOICES["surroundings"][0])
         return self.categories.get("surroundings", [str(usual)])
 

@@ -4,6 +4,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from scipy.interpolate import make_interp_spline
 
 from approximation.arrays import Array
 from solver.units import prefixed
@@ -22,6 +24,7 @@ from workflow.report.figures.style import (
 from workflow.report.svg import INK
 
 _LEVELS = 16
+_ANGLES = 361  # of a drawn curve
 _DIMS = ("x", "y")
 
 
@@ -92,12 +95,16 @@ def polar(data: xr.Dataset) -> Figure:
     middle = {dim: charge.sizes[dim] // 2 for dim in charge.dims if dim != "cut_angle"}
     curve = charge.isel(middle)
     divisor, units = prefixed(float(np.abs(curve).max()), str(charge.attrs["units"]), digits=2)
-    angle, values = curve["cut_angle"].values, curve.values / divisor
+    levels = curve["cut_angle"].values
+    angle = np.linspace(levels[0], levels[-1], _ANGLES)
+    values = make_interp_spline(levels, curve.values / divisor, k=min(3, levels.size - 1))(angle)
     figure, ax = plt.subplots(figsize=(4.6, 4.2), subplot_kw={"projection": "polar"})
     for sign, colour, word in ((1, BLUE, "positive"), (-1, ORANGE, "negative")):
         part = np.where(sign * values >= 0, np.abs(values), np.nan)
         for turn in (0.0, np.pi):  # half a turn later the same cut stands upside down
             ax.plot(angle + turn, part, color=colour, lw=1.6, label=word if not turn else None)
+    ax.yaxis.set_major_locator(MaxNLocator(4))
+    ax.tick_params(axis="y", labelsize=8)
     ax.set_title(numbers.label(titles.title("charge_per_force"), units, 60))
     ax.legend(loc="lower left", bbox_to_anchor=(-0.15, -0.12))
     return figure
