@@ -232,14 +232,16 @@ _DIGITS = 15  # by which the size of a value chooses its prefix: all that a doub
 def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str]:
     """Return the divisor for values of some size, and the unit to write behind them.
 
-    A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``; a pure number has no unit.
+    A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``, or is an area (``mm²``); a
+    pure number has no unit.
     """
-    scalable = re.match(r"[A-Za-z]+(?: |$)", units) is not None and not units.startswith("kg")
+    scalable = re.match(r"(?:[A-Za-z]+|m2)(?: |$)", units) is not None and not units.startswith("kg")
+    exponent, shift, least, most = (2, 2, -9, 0) if units.startswith("m2") else (1, 0, -15, 12)  # 0.01 to 9999 mm²
     power = 0
     if scalable and size and math.isfinite(size):
         decimal = Context(prec=digits, rounding=ROUND_HALF_UP).create_decimal_from_float(float(size)).adjusted()
-        power = min(max(3 * (decimal // 3), -15), 12)
-    return 10.0**power, (_PRINTED_PREFIXES[power] if scalable else "") + written(units)
+        power = min(max(3 * ((decimal + shift) // (3 * exponent)), least), most)
+    return 10.0 ** (exponent * power), (_PRINTED_PREFIXES[power] if scalable else "") + written(units)
 
 
 def written(units: str) -> str:

@@ -16,12 +16,13 @@ function written(units) {
   return `${over.join("·") || "1"}/${under.length === 1 ? below : `(${below})`}`;
 }
 
-// A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1"; `count` digits will be shown.
+// A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1", or is an area; `count` digits will be shown.
 function engineering(value, units, count = 15) {
-  const scalable = units && /^[A-Za-z]+( |$)/.test(units) && !units.startsWith("kg");
+  const scalable = units && /^([A-Za-z]+|m2)( |$)/.test(units) && !units.startsWith("kg");
+  const [exponent, shift, least, most] = units && units.startsWith("m2") ? [2, 2, -9, 0] : [1, 0, -15, 12]; // 0.01 to 9999 mm²
   const some = scalable && value !== 0 && Number.isFinite(value);
-  const power = some ? Math.min(Math.max(3 * Math.floor(decimalPower(value, count) / 3), -15), 12) : 0;
-  return { size: 10 ** power, units: (scalable ? PREFIXES[power] : "") + written(units) };
+  const power = some ? Math.min(Math.max(3 * Math.floor((decimalPower(value, count) + shift) / (3 * exponent)), least), most) : 0;
+  return { size: 10 ** (exponent * power), units: (scalable ? PREFIXES[power] : "") + written(units) };
 }
 
 function digits(value, count = 4) {
