@@ -17,7 +17,6 @@ from surrogate.face.model import GaussianProcess
 from surrogate.gp.correction import Correction
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.tensortrain import TensorTrain, compress
-from surrogate.transforms.boundedgp import BoundedGP
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
 
@@ -150,10 +149,9 @@ def grid_of(model: GaussianProcess) -> GridGP:
         return model
     if isinstance(model, GroupedGP):
         return grid_of(model.reduced_)
-    if isinstance(model, BoundedGP):
-        return grid_of(model.free_)
-    kinds = ", ".join(kind.__name__ for kind in (GridGP, GroupedGP, BoundedGP))
-    raise ValueError(f"the surrogate is a {type(model).__name__} (engine {model.engine!r}); exported are {kinds}")
+    raise ValueError(
+        f"the surrogate is a {type(model).__name__} (engine {model.engine!r}); exported are GridGP, GroupedGP"
+    )
 
 
 def _over(model: GaussianProcess, grid: GridGP) -> GaussianProcess:
