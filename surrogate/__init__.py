@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from surrogate.gp.crossgp import CrossGP
     from surrogate.gp.gridgp import GridGP
     from surrogate.gp.scattergp import ScatterGP
-    from surrogate.transforms.boundedgp import BoundedGP
     from surrogate.transforms.curves.curvegp import CurveGP
     from surrogate.transforms.groupedgp import GroupedGP
     from surrogate.transforms.groups import Grouping
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
-    "BoundedGP",
     "CrossGP",
     "CurveGP",
     "FactorialRegressor",
@@ -42,7 +40,6 @@ __all__ = [
 
 # imported when asked for: most of a small job's time is imports
 _MODULES = {
-    "BoundedGP": "surrogate.transforms.boundedgp",
     "CrossGP": "surrogate.gp.crossgp",
     "CurveGP": "surrogate.transforms.curves.curvegp",
     "FactorialRegressor": "surrogate.use.estimator",

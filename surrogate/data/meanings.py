@@ -64,8 +64,6 @@ MEANINGS = {
     "added_coefficient": "what the added logarithm of a product is multiplied by, over the unit in output_units",
     "added_power": "power of every input in the product whose logarithm is added",
     "logarithm": "sign of an output whose logarithm is learnt, 0 where it is learnt itself",
-    "bounded": "1 where an output has a lower or an upper bound, in this order",
-    "bound": "the bound, over its unit in output_units",
     "reference": "inputs at which these products are one, over their units in input_units",
     # corrections by measured rows; constants are scaled: 0 and 1 are prior mean and standard deviation
     "constant": "name of an uncertain constant",

@@ -90,8 +90,6 @@ class GaussianProcess(Core):
     >>> least, most = model.ends_of_sum(np.array([[0.2, 1.5]]), np.array([[1.0, -1.0]]))  # of f - g
     >>> bool(least < 0 < most), model.everywhere() is model, model.within(None).region_
     (True, True, None)
-    >>> float(model.reached(np.array(1.0), np.array(0.1), np.array(-2.0)))
-    0.8
     >>> model.require_answers(np.array([[0.2, 1.5]]))
     >>> model.has_answers(np.array([[0.2, 1.5], [0.2, 3.0]])).tolist()
     [True, False]
@@ -429,25 +427,10 @@ class GaussianProcess(Core):
         """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
         if self.region_ is not None and not extrapolate:
             self.require_answers(X)
-        single = self.single() if len(X) == 1 else None
-        answer = single(X[0].tolist(), return_std) if single else None
-        if answer is not None:
-            mean, std = answer[0][:, None], None if answer[1] is None else answer[1][:, None]
-        else:
-            if not extrapolate:
-                require_inside(X, self.inputs_)
-            mean, std = self.all_mean_std(X, return_std)
+        if not extrapolate:
+            require_inside(X, self.inputs_)
+        mean, std = self.all_mean_std(X, return_std)
         return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)
-
-    def reached(self, mean: Array, std: Array, deviations: Array) -> Array:
-        """Return what lies so many standard deviations away from means.
-
-        Parameters
-        ----------
-        mean, std : ndarray, shape (p, ...), of the outputs, in their units
-        deviations : ndarray that broadcasts with them, numbers of standard deviations
-        """
-        return mean + deviations * std
 
     def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:
         """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
@@ -491,9 +474,7 @@ class GaussianProcess(Core):
         level = self.checked_level(level)
         named, (mean, std), flags = self._asked(points, True, extrapolate)
         deviations = self._ends(level)[..., None]
-        end_values = {
-            end: self.reached(mean, std, score) for end, score in zip(("lower", "upper"), deviations, strict=True)
-        }
+        end_values = {end: mean + score * std for end, score in zip(("lower", "upper"), deviations, strict=True)}
         values = {f"{name}_{end}": end_values[end][k] for k, name in enumerate(self.outputs_) for end in end_values}
 
         def attrs() -> Attrs:
@@ -533,7 +514,7 @@ class GaussianProcess(Core):
         deviations = np.broadcast_to(self.distribution.quantile(probabilities).T, (len(mean), len(probabilities)))[
             ..., None
         ]
-        values = self.reached(np.repeat(mean[:, None], len(probabilities), axis=1), std[:, None], deviations)
+        values = mean[:, None] + deviations * std[:, None]
         coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
         quantiles = self._stacked("quantile", values, named, flags).assign_coords(quantile=coordinate)
         return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
@@ -575,8 +556,7 @@ class GaussianProcess(Core):
         named, (mean, std), flags = self._asked(points, True, extrapolate)
         share = self._shares(named.X, n, np.random.default_rng(seed), together)
         deviations = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
-        drawn = self.reached(np.broadcast_to(mean[:, None], deviations.shape), std[:, None], deviations)
-        return self._stacked("sample", drawn, named, flags)
+        return self._stacked("sample", mean[:, None] + deviations * std[:, None], named, flags)
 
     def _shares(self, X: Array, n: int, random: np.random.Generator, together: bool) -> Array:
         """Draw a probability for every output and point (m, d): (p, n, m)."""
@@ -640,7 +620,7 @@ class GaussianProcess(Core):
         """
         level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
-        lower, upper = (self.reached(mean.T, std.T, deviations[:, None]).T for deviations in self._ends(level))
+        lower, upper = (mean + deviations * std for deviations in self._ends(level))
         return lower, upper
 
     def _ends(self, level: float) -> Array:

@@ -35,7 +35,6 @@ ENGINES = {
     "scatter": ("gp.scattergp", "ScatterGP"),
     "grouped": ("transforms.groupedgp", "GroupedGP"),
     "curves": ("transforms.curves.curvegp", "CurveGP"),
-    "bounded": ("transforms.boundedgp", "BoundedGP"),
     "corrected": ("transforms.measured.corrected", "CorrectedGP"),
 }
 _LEVELS = r"level_\d+"

@@ -16,7 +16,6 @@ from surrogate.face.model import GaussianProcess
 from surrogate.face.persistence import probe_points
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.intervals.guard import Guard, unguarded
-from surrogate.transforms.boundedgp import BoundedGP
 from surrogate.transforms.groupedgp import GroupedGP
 from surrogate.transforms.outputs import Scales
 from surrogate.use.rounding import Rounded
@@ -145,7 +144,6 @@ class _Context:
             "grouped": bool(scales),
             "added_power": self.numbers(scales[0].added) if scales else [],
             "outer": outer is not None,
-            "bounded": isinstance(model, BoundedGP),
             "box": outer is not None or region is not None,
             "region": None if region is None else {
                 "degree": region.degrees.tolist(), "degrees": max(2, 1 + int(region.degrees.max())),
@@ -285,13 +283,6 @@ class _Context:
         if scales is not None:
             scaling = {"added": self.number(float(scales.coefficients[0])), "sign": int(scales.signs[0])}
             table |= {"power": self.numbers(scales.powers[0]), **scaling}
-        if isinstance(model, BoundedGP):
-            below, above = model.bounds.get(part.name, (-np.inf, np.inf))
-            table |= {"bounds": int(np.isfinite(below)) + 2 * int(np.isfinite(above))}
-            table |= {
-                end: self.number(value if np.isfinite(value) else 0.0)
-                for end, value in (("low", below), ("high", above))
-            }
         return table
 
     def _probes(self, outputs: Sequence[Rounded]) -> dict[str, Any]:
@@ -326,9 +317,7 @@ def _scales(part: Rounded) -> Scales:
 
 
 def _grouped(model: GaussianProcess) -> GroupedGP | None:
-    """The model over groups, which may stand inside; None where there is none."""
-    if isinstance(model, BoundedGP):
-        return _grouped(model.free_)
+    """The model over groups; None where there is none."""
     return model if isinstance(model, GroupedGP) else None
 
 

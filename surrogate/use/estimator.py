@@ -21,7 +21,6 @@ from surrogate.gp.gridgp import GridGP
 from surrogate.gp.imputation import MOST
 from surrogate.gp.imputation import fit as fit_with_missing
 from surrogate.gp.scattergp import ScatterGP
-from surrogate.transforms.boundedgp import BoundedGP, linked
 
 Design = Literal["auto", "factorial", "scattered"]
 _SAME = 1e-9  # of the range of an output, by which cases that stand twice may differ
@@ -50,13 +49,10 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         Added to the diagonal of the correlation, of scattered cases, relative to the variance of the output.
     extrapolate : bool
         Answer outside the range of the cases too, as cross-validation must; False raises `OutOfBoxError` there.
-    bounds : (float, float), optional
-        Lower and upper bound of all outputs, infinite where there is none: predictions and intervals stay between them,
-        see `BoundedGP`. Means are then medians.
 
     Attributes
     ----------
-    model_ : GridGP or ScatterGP, with `bounds` a BoundedGP over one
+    model_ : GridGP or ScatterGP
         The fitted process: intervals, gradients, sensitivities, files. Its inputs have the names of the columns, or
         `x0`, `x1`, ..., and are these less `shift_`; its outputs are `y0`, `y1`, ...
     shift_ : ndarray
@@ -87,13 +83,11 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         inputs: Sequence[Input] | None = None,
         nugget: float = 1e-10,
         extrapolate: bool = True,
-        bounds: tuple[float, float] | None = None,
     ) -> None:
         self.design = design
         self.inputs = inputs
         self.nugget = nugget
         self.extrapolate = extrapolate
-        self.bounds = bounds
 
     def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Fit to cases.
@@ -131,8 +125,6 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
                 raise ValueError(f"column {name!r} is {column[0]:g} in all {len(column)} cases; leave it out")
         self._single = outputs.ndim == 1
         values = np.asarray(outputs, dtype=np.float64).reshape(len(columns), -1)
-        if self.bounds is not None:
-            values = linked("y", values, *self.bounds)
         levels = [np.unique(column) for column in columns.T]
         if self.inputs is not None:
             names = [input_.name for input_ in self.inputs]
@@ -155,9 +147,6 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             self.model_ = self._scattered(names, columns, values, weights)
         else:
             self.model_ = self._grid(names, levels, values, places)
-        if self.bounds is not None:
-            bounded = BoundedGP(None, dict.fromkeys(self.model_.outputs_, self.bounds))
-            self.model_ = bounded.over({"free": self.model_})
         return self
 
     @overload

@@ -12,12 +12,10 @@ from typing_extensions import override
 from approximation.arrays import Array
 from approximation.chebyshev import polynomials, slopes
 from surrogate.data.inputs import physical_points
-from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.correction import Correction
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.tensortrain import TensorTrain, compress
-from surrogate.transforms.boundedgp import BoundedGP
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
 
@@ -67,10 +65,6 @@ class RoundedGP(GridGP):
         ]
         T = [whole[: core.shape[1]] for whole, core in zip(T, self.chebyshev_.cores, strict=True)]
         return self.chebyshev_.gradient(T, S)[np.argsort(self.order_)]
-
-    @override
-    def single(self) -> Single | None:
-        return None
 
 
 @dataclass(frozen=True)
@@ -150,10 +144,9 @@ def grid_of(model: GaussianProcess) -> GridGP:
         return model
     if isinstance(model, GroupedGP):
         return grid_of(model.reduced_)
-    if isinstance(model, BoundedGP):
-        return grid_of(model.free_)
-    kinds = ", ".join(kind.__name__ for kind in (GridGP, GroupedGP, BoundedGP))
-    raise ValueError(f"the surrogate is a {type(model).__name__} (engine {model.engine!r}); exported are {kinds}")
+    raise ValueError(
+        f"the surrogate is a {type(model).__name__} (engine {model.engine!r}); exported are GridGP, GroupedGP"
+    )
 
 
 def _over(model: GaussianProcess, grid: GridGP) -> GaussianProcess:

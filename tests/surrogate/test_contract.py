@@ -11,11 +11,10 @@ import pytest
 import xarray as xr
 
 from approximation.arrays import Array
-from surrogate import BoundedGP, GaussianProcess, GridGP, GroupedGP, ScatterGP, load, save
+from surrogate import GaussianProcess, GridGP, GroupedGP, ScatterGP, load, save
 from surrogate.transforms.measured.corrected import CorrectedGP
 from tests.surrogate import curved, functions, grouped
 from tests.surrogate.slopes import assert_slopes
-from tests.surrogate.transforms import test_boundedgp
 from tests.surrogate.use import test_learning
 
 
@@ -49,11 +48,6 @@ MODELS: dict[str, Callable[[], GaussianProcess]] = {
     ),
     "curves": curved.fitted,
     "curves over groups": curved.fitted_over_groups,
-    "bounded": lambda: (
-        BoundedGP(GridGP(inputs=test_boundedgp.INPUTS), test_boundedgp.BOUNDS)
-        .fit(test_boundedgp.grid())
-        .calibrate(test_boundedgp.cases(300, 1))
-    ),
     "corrected": lambda: test_learning.corrected(
         test_learning.learnt(test_learning.DEVICE.rows()), test_learning.DEVICE.rows()
     ),
@@ -62,7 +56,7 @@ each_model = pytest.mark.parametrize("name", MODELS)
 #: Of derivatives against differences, where they are less exact than 1e-5.
 SLOPES = {"curves": 2e-5, "curves over groups": 2e-5}
 #: Of a part's means, over the output's spread, where they are compressed otherwise than the whole's.
-PARTS = {"grouped": 1e-8, "bounded": 1e-8, "curves": 1e-7, "curves over groups": 1e-7}
+PARTS = {"grouped": 1e-8, "curves": 1e-7, "curves over groups": 1e-7}
 
 
 @cache

@@ -3,7 +3,6 @@
 import argparse
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +28,6 @@ from workflow.language.given import size
 from workflow.language.numbers import shown
 from workflow.language.renamed import renamed
 from workflow.language.spelling import nearest
-from workflow.learning import wider_box
 from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
@@ -116,15 +114,6 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     return read
 
 
-def _checked(study: Study, question: Target) -> Study:
-    """The study, if a target makes sense on it."""
-    try:
-        check_target(study, "design", question)
-    except ValueError as error:
-        raise InputError(str(error)) from None
-    return study
-
-
 def _usual(study: Study, name: str) -> str:
     """A category's default, where the study has it."""
     usual = CHOICES.get(name, ("",))[0]
@@ -136,17 +125,12 @@ def ask(
 ) -> Answer:
     """Answer a question from the results of a study."""
     study, model = results(folder)
-    question, notes = target(study, words), []
-    if wider := wider_box.beyond(study, question):
-        keep = wider_box.lines(study, wider)
-        notes = [f"the ranges are wider than the study's and were solved anew for this question; to keep them: {keep}"]
-        tell("solving the wider ranges anew")
-        study = wider_box.made(study, question, wider)
-        model = wider_box.fitted(_checked(study, question))
-    else:
-        _checked(study, question)
+    question = target(study, words)
+    try:
+        check_target(study, "design", question)
+    except ValueError as error:
+        raise InputError(str(error)) from None
     answer = targets.answer(study, "question", question, model, tell)
-    answer = replace(answer, flags="; ".join([*filter(None, [answer.flags]), *notes]))
     if not answer.feasible:
         point = [f"{name} = {kind}" for name, kind in answer.combination.items()]
         point += [f"{variable.name} = {variable.value:.6g}" for variable in answer.variables]

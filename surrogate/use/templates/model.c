@@ -48,11 +48,6 @@ typedef struct {
     real added;
     int sign;
 {% endif %}
-{% if bounded %}
-    int bounds; /* 1: a lower one, 2: an upper one, 3: both */
-    real low;
-    real high;
-{% endif %}
 } table;
 
 {% for output in outputs %}
@@ -79,9 +74,6 @@ static const table tables[{{ outputs|length }}] = {
 {%- endif %}
 {%- if grouped %},
       { {{ output.power|join(', ') }} }, {{ output.added }}, {{ output.sign }}
-{%- endif %}
-{%- if bounded %},
-      {{ output.bounds }}, {{ output.low }}, {{ output.high }}
 {%- endif %}
  }{{ '' if loop.last else ',' }}
 {% endfor %}
@@ -286,31 +278,6 @@ static real output_of(const table *of, const real x[INPUTS], real learnt, real *
 {% endif %}
     return value;
 }
-{% if bounded %}
-
-/* The output between its bounds, of what the model without bounds gives, and its derivative by this. */
-static real bounded(const table *of, real learnt, real *size)
-{
-    real value = learnt;
-
-    *size = {{ one }};
-    if (of->bounds == 3) {
-        const real share = {{ one }} / ({{ one }} + {{ exp }}(-learnt));
-
-        *size = (of->high - of->low) * share * ({{ one }} - share);
-        value = of->low + (of->high - of->low) * share;
-    } else if (of->bounds == 1) {
-        *size = {{ exp }}(learnt);
-        value = of->low + *size;
-    } else if (of->bounds == 2) {
-        *size = {{ exp }}(-learnt);
-        value = of->high - *size;
-    } else {
-        /* none */
-    }
-    return value;
-}
-{% endif %}
 
 /* The largest guard of the slabs and corners that hold a point. */
 static real guarded(const float slabs[], const float corners[], const real t[], int count, int *corner)
@@ -453,9 +420,6 @@ int {{ name }}_value(int output, const {{ name }}_real x[{{ inputs|length }}], {
 
         scaled(x, t);
         result = output_of(of, x, of->offset + contracted(of, t, -1), &size);
-{% if bounded %}
-        result = bounded(of, result, &size);
-{% endif %}
         *value = result;
     }
     return status;
@@ -487,22 +451,9 @@ int {{ name }}_interval(int output, const {{ name }}_real x[{{ inputs|length }}]
 {% endif %}
         low = result + of->lower * std;
         high = result + of->upper * std;
-{% if bounded %}
-        low = bounded(of, low, &size);
-        high = bounded(of, high, &size);
-        result = bounded(of, result, &size);
-{% endif %}
         *value = result;
         low -= of->rounding;
         high += of->rounding;
-{% if bounded %}
-        if (((of->bounds & 1) != 0) && (low < of->low)) {
-            low = of->low;
-        }
-        if (((of->bounds & 2) != 0) && (high > of->high)) {
-            high = of->high;
-        }
-{% endif %}
         *lower = low;
         *upper = high;
     }
@@ -516,7 +467,7 @@ int {{ name }}_gradient(int output, const {{ name }}_real x[{{ inputs|length }}]
 
     if (status == {{ NAME }}_OK) {
         const table *of = &tables[output];
-        real t[AXES], slope[AXES][INPUTS], along[AXES], size, sum{{ ', value' if grouped or bounded }}{{ ', steep' if bounded }};
+        real t[AXES], slope[AXES][INPUTS], along[AXES], size, sum{{ ', value' if grouped }};
         int i, k;
 
         scaled(x, t);
@@ -524,13 +475,10 @@ int {{ name }}_gradient(int output, const {{ name }}_real x[{{ inputs|length }}]
         for (k = 0; k < AXES; k++) {
             along[k] = contracted(of, t, k);
         }
-{% if grouped or bounded %}
+{% if grouped %}
         value = output_of(of, x, of->offset + contracted(of, t, -1), &size);
 {% else %}
         size = {{ one }};
-{% endif %}
-{% if bounded %}
-        (void)bounded(of, value, &steep);
 {% endif %}
         for (i = 0; i < INPUTS; i++) {
             sum = {{ zero }};
@@ -546,9 +494,6 @@ int {{ name }}_gradient(int output, const {{ name }}_real x[{{ inputs|length }}]
             }
 {% else %}
             sum *= size;
-{% endif %}
-{% if bounded %}
-            sum *= steep;
 {% endif %}
             gradient[i] = sum;
         }

@@ -55,7 +55,7 @@ def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # an
     [
         (attribute("format", "other"), "not a surrogate model"),
         (attribute("format_version", 1), "format version 1 is not 4, the one known here: `make run` anew"),
-        (attribute("engine", "torch"), "unknown engine 'torch'; known are grid, scatter, grouped, curves, bounded, "),
+        (attribute("engine", "torch"), "unknown engine 'torch'; known are grid, scatter, grouped, curves, "),
         (attribute("kernel", "__import__('os')"), "unknown kernel"),
         (lambda d: d.drop_vars("amplitude"), "inconsistent"),
         (lambda d: d.assign(core_0=d["core_0"][..., :1].rename(rank_1="cut")), "core 1 has the shape"),

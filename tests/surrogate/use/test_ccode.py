@@ -14,14 +14,13 @@ import pytest
 import xarray as xr
 
 from approximation.arrays import Array, Flags
-from surrogate import BoundedGP, GaussianProcess, GridGP, GroupedGP, Input, ScatterGP
+from surrogate import GaussianProcess, GridGP, GroupedGP, Input, ScatterGP
 from surrogate.face.region import Region
 from surrogate.use import fmu
 from surrogate.use.ccode import code
 from surrogate.use.rounding import Rounded, rounded
 from tests.compiled import Compiled
 from tests.surrogate import curved, grouped
-from tests.surrogate.transforms import test_boundedgp as bounds
 
 gcc = pytest.mark.needs("gcc")
 
@@ -38,8 +37,16 @@ def of_groups() -> GaussianProcess:
 
 
 @cache
-def of_bounds() -> GaussianProcess:
-    return BoundedGP(GridGP(inputs=bounds.INPUTS), bounds.BOUNDS).fit(bounds.grid()).calibrate(bounds.cases(1500, 1))
+def of_two_inputs() -> GaussianProcess:
+    inputs = (Input("x", -1.0, 1.0), Input("y", 0.5, 2.0))
+
+    def with_outputs(cases: xr.Dataset) -> xr.Dataset:
+        return cases.assign(steep=np.exp(-3 * cases.x * cases.y), wave=np.sin(3 * cases.x) * cases.y)
+
+    grid = xr.Dataset(coords={"x": inputs[0].levels(9), "y": inputs[1].levels(6)})
+    t = np.random.default_rng(1).uniform(-1, 1, (2, 1500))
+    cases = {axis.name: ("case", axis.from_unit(row)) for axis, row in zip(inputs, t, strict=True)}
+    return GridGP(inputs=inputs).fit(with_outputs(grid)).calibrate(with_outputs(xr.Dataset(cases)))
 
 
 @cache
@@ -71,7 +78,7 @@ def spread(model: GaussianProcess, count: int) -> Array:
 @gcc
 @pytest.mark.parametrize(
     ("model_of", "outputs"),
-    [(of_groups, ["length", "cold", "depth"]), (of_bounds, ["share", "size", "below"]), (of_one_input, ["f", "1"])],
+    [(of_groups, ["length", "cold", "depth"]), (of_two_inputs, ["steep", "wave"]), (of_one_input, ["f", "1"])],
 )
 @pytest.mark.parametrize(("arithmetic", "error"), [(np.float64, 1e-5), (np.float32, 1e-3)])
 def test_c_says_what_python_says(
@@ -127,9 +134,9 @@ ODD = [np.nan, np.inf, -np.inf, 5e-324, -2.2e-308, 1e300, -3.0]
 
 @gcc
 def test_optimisations_change_no_bit_and_what_is_no_point_has_a_status_and_no_number(tmp_path: Path) -> None:
-    _, source = exported(of_bounds(), ["share", "size"], tmp_path, np.float64, 1e-5)
+    _, source = exported(of_two_inputs(), ["steep", "wave"], tmp_path, np.float64, 1e-5)
     plain, quick, fast = (Compiled(source, *flags) for flags in (["-O0"], ["-O2"], ["-O2", "-ffast-math"]))
-    points = spread(of_bounds(), 1000)
+    points = spread(of_two_inputs(), 1000)
     for output, part in product(range(2), ("interval", "gradient")):
         same, other = (library.asked(part, points, output)[1] for library in (quick, fast))
         np.testing.assert_array_equal(plain.asked(part, points, output)[1], same)

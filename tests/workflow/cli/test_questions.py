@@ -81,6 +81,7 @@ POINT = "load=1e4,volume_fraction=0.5"
         (["maximise=depht", "over=radius", "at=load=1e4"], "design: 'depht': 'depht' is not a quantity; did you mean"),
         (["maximise=voltage", "over=radius", "at=load=1e4"], "design: 'volume_fraction' is missing; p"),
         (["maximise=depth", "over=radius=1:0", "at=load=1e4"], "design: over.radius: low = 1 must"),
+        (["maximise=depth", "over=radius=0.05:9", f"at={POINT}"], "radius = 9 is not within 0.02 to 0.2; factors"),
         (["maximise=depth", "over=radius=b", "at=load=1e4"], "--over: radius: 'b' is not a finite"),
         (["maximise=depth", "over=radius", "at=load"], "--at: load: '' is not a finite number"),
         (["maximise=depth", "over=radius,radius"], "--over: radius: given twice"),
