@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.fft
 from scipy.ndimage import map_coordinates, spline_filter
-from scipy.special import jv
+from scipy.special import j0, jv
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
@@ -32,14 +32,16 @@ _PHASE = 40.0  # of a panel in k at the largest distance
 _PANEL_NODES = 20
 _SPACING = 0.05  # of the table of D, in asinh(r / (2 decay h))
 _WIDEST = 400.0  # largest distance over the thickness of the top layer
+_ROUNDING = 1e-13  # share of the largest harmonic of the direction that is rounding
+_BLUR, _BLURRED = 0.125, 4.0  # of a cell that is wider than the layers; exp(-(4)^2) is 1e-7
 _MARGIN = 12  # rows and columns around the table, for its spline
 
 
-def half_space_table(body: SurfaceBody, pairs: Pairs) -> Array:
-    """H at equally spaced angles over a full turn; (pair, angle)."""
+def half_space_table(body: SurfaceBody, pairs: Pairs, is_far: bool = False) -> Array:
+    """H at equally spaced angles over a full turn, of the top or, seen from afar, of the base; (pair, angle)."""
     count = body.directions
     theta = 2 * np.pi * np.arange(count) / count
-    Y = body.response(np.array([np.inf]), theta)[0]
+    Y = body.multiplier(np.array([0.0]), theta)[0] if is_far else body.response(np.array([np.inf]), theta)[0]
     harmonics = np.fft.fft(np.stack([Y[:, i, j] for i, j in pairs]), axis=1) / count
     n = np.fft.fftfreq(count, 1 / count)
     turned = harmonics * 1j ** np.abs(n) / (2 * np.pi)
@@ -49,9 +51,9 @@ def half_space_table(body: SurfaceBody, pairs: Pairs) -> Array:
 
 
 @cached
-def _half_space_cells(body: SurfaceBody, pairs: Pairs, nx: int, ny: int, aspect: float) -> Array:
+def _half_space_cells(body: SurfaceBody, pairs: Pairs, nx: int, ny: int, aspect: float, is_far: bool = False) -> Array:
     """Integrals of H/r over cells of size (1, aspect) at offsets -n..n; (pair, 2 nx + 1, 2 ny + 1)."""
-    table = half_space_table(body, pairs)
+    table = half_space_table(body, pairs, is_far)
     x, y = np.arange(-nx, nx + 1.0), np.arange(-ny, ny + 1.0) * aspect
     x_edges, y_edges = np.append(x - 0.5, nx + 0.5), np.append(y - aspect / 2, (ny + 0.5) * aspect)
     vertical = _edges(table, x_edges, y_edges, False)
@@ -102,42 +104,70 @@ def _edge_integrals(
 class _LayerTable:
     """D over asinh(r / width) and the angle, with margins for the spline."""
 
-    values: Array  # (pair, r, angle)
+    values: Array  # (pair, r, angle), or (pair, r) of a D that does not depend on the angle
     width: float  # [m]
-    angles: int  # Number of angles over a full turn
+    angles: int  # Number of angles over a full turn; 0 of a D that does not depend on the angle
 
     def at(self, x: Array, y: Array) -> Array:
-        """D at positions [m]; (pair, ...)."""
-        r, angle = np.hypot(x, y), np.arctan2(y, x)
-        places = np.stack([
-            np.arcsinh(r / self.width).ravel() / _SPACING + _MARGIN,
-            (angle % (2 * np.pi)).ravel() * (self.angles / (2 * np.pi)) + _MARGIN,
-        ])  # fmt: skip
-        values = [map_coordinates(v, places, order=5, mode="nearest", prefilter=False) for v in self.values]
-        return np.stack(values).reshape(len(self.values), *x.shape)
+        """D on a grid that is symmetric about its middle [m]; (pair, x, y)."""
+        if self.angles == 0:
+            (right, of_x), (upper, of_y) = _mirrored(x), _mirrored(y)
+            places = np.arcsinh(np.hypot(right[:, None], upper) / self.width) / _SPACING + _MARGIN
+            quarter = [map_coordinates(v, places[None], order=5, mode="mirror", prefilter=False) for v in self.values]
+            return np.stack([part[of_x[:, None], of_y] for part in quarter])
+        result = np.empty((len(self.values), x.size, y.size))
+        rows = max(1, 2**18 // y.size)  # bounds the memory
+        for first in range(0, x.size, rows):
+            part = slice(first, first + rows)
+            r, angle = np.hypot(x[part, None], y), np.arctan2(y, x[part, None])
+            places = np.stack([
+                np.arcsinh(r / self.width) / _SPACING + _MARGIN,
+                (angle % (2 * np.pi)) * (self.angles / (2 * np.pi)) + _MARGIN,
+            ])  # fmt: skip
+            for number, v in enumerate(self.values):
+                result[number, part] = map_coordinates(v, places, order=5, mode="mirror", prefilter=False)
+        return result
+
+
+def _mirrored(values: Array) -> tuple[Array, Indices]:
+    """Positive half of values that are symmetric about 0, and the place in it of each value's size."""
+    places = np.arange(values.size)
+    return values[values.size // 2 :], np.maximum(places - values.size // 2, (values.size - 1) // 2 - places)
 
 
 @cached
-def _layer_table(body: SurfaceBody, pairs: Pairs, reach: float) -> _LayerTable:
-    """Table of D up to the distance ``reach`` [m]."""
+def _layer_table(body: SurfaceBody, pairs: Pairs, reach: float, blur: float) -> _LayerTable:
+    """Table of D up to the distance ``reach`` [m]; with a blur [m], of what layers add to the base seen from afar."""
     thickness, count = body.thickness, body.directions
     width = 2 * body.decay * thickness
-    k, weights = _wavenumbers(body, reach)
+    end = _DECAYED / width
+    k, weights = _wavenumbers(body, reach, min(end, _BLURRED / blur) if blur else end)
+    weights = weights * np.exp(-((k * blur) ** 2))
     half = count // 2
     theta = 2 * np.pi * np.arange(half) / count
     added = np.empty((len(pairs), k.size, count), np.complex128)
     for first in range(0, k.size, 200):  # bounds the memory
         part = slice(first, first + 200)
-        Y = body.response(k[part], theta)[1]
+        Y = (
+            body.multiplier(k[part], theta) - body.multiplier(np.zeros(1), theta)
+            if blur
+            else body.response(k[part], theta)[1]
+        )
         for number, (i, j) in enumerate(pairs):
             added[number, part, :half], added[number, part, half:] = Y[:, :, i, j], np.conj(Y[:, :, i, j])
     harmonics = np.fft.fft(added, axis=-1) * weights[:, None] / count
     last = int(np.arcsinh(reach / width) / _SPACING) + 2 + _MARGIN
     r = width * np.sinh(_SPACING * np.arange(last + 1))
     radial = np.zeros((len(pairs), r.size, count), np.complex128)
-    for n, bessel in _bessel(count // 2 - 1, np.outer(r, k)):
+    size = np.max(np.abs(harmonics[..., : count // 2]), axis=(0, 1))
+    highest = int(np.max(np.flatnonzero(size > _ROUNDING * np.max(size)), initial=0))
+    for n, bessel in _bessel(highest, np.outer(r, k)):
         for place in {n, -n % count}:
             radial[:, :, place] = np.einsum("rk,pk->pr", bessel, harmonics[:, :, place]) * 1j**n / (2 * np.pi)
+    if highest == 0:
+        values = radial[:, :, 0].real
+        values = np.concatenate([values[:, _MARGIN:0:-1], values], axis=1)
+        return _LayerTable(np.stack([spline_filter(v, order=5, mode="mirror") for v in values]), width, 0)
     angles = max(2 * count, 16)
     wide = np.zeros((len(pairs), r.size, angles), np.complex128)
     n_all = np.fft.fftfreq(count, 1 / count).astype(int)
@@ -150,9 +180,8 @@ def _layer_table(body: SurfaceBody, pairs: Pairs, reach: float) -> _LayerTable:
     return _LayerTable(np.stack([spline_filter(v, order=5, mode="mirror") for v in values]), width, angles)
 
 
-def _wavenumbers(body: SurfaceBody, reach: float) -> tuple[Array, Array]:
-    """Nodes and weights in k; panels grow from the smallest structure of the response."""
-    end = _DECAYED / (2 * body.decay * body.thickness)
+def _wavenumbers(body: SurfaceBody, reach: float, end: float) -> tuple[Array, Array]:
+    """Nodes and weights in k up to an end; panels grow from the smallest structure of the response."""
     total = sum(layer.thickness for layer in body.layers)
     bodies = [np.abs(np.einsum("iJJi->J", E))[: PHI + 1] for E in body.stiffnesses]
     contrast = float(np.min(np.min(bodies, axis=0) / np.max(bodies, axis=0)))
@@ -173,6 +202,8 @@ def _wavenumbers(body: SurfaceBody, reach: float) -> tuple[Array, Array]:
 
 def _bessel(highest: int, x: Array) -> list[tuple[int, Array]]:
     """J_n(x) for n from the highest down, by the stable downward recurrence; pairs of n and (r, k)."""
+    if highest == 0:
+        return [(0, j0(x))]
     upper, value = jv(highest + 1, x), jv(highest, x)
     result = [(highest, value)]
     inverse = 2 / np.where(x == 0, 1.0, x)
@@ -182,30 +213,36 @@ def _bessel(highest: int, x: Array) -> list[tuple[int, Array]]:
     return result
 
 
-def _layer_cells(body: SurfaceBody, pairs: Pairs, nx: int, ny: int, dx: float, dy: float) -> Array:
+def _layer_cells(
+    body: SurfaceBody, pairs: Pairs, shape: tuple[int, int], dx: float, dy: float, *, is_level: bool, is_far: bool
+) -> Array:
     """Integrals of D over cells at offsets -n..n; (pair, 2 nx + 1, 2 ny + 1) [m2 times D]."""
-    farthest = np.hypot((nx + 3) * dx, (ny + 3) * dy) / body.thickness
-    if farthest > _WIDEST:
+    nx, ny = shape
+    farthest = _farthest(shape, dx, dy) / body.thickness
+    if farthest > _WIDEST and not is_far:
         raise SurfaceError(
             f"thickness: {body.thickness:g} m of the top layer is below 1/{_WIDEST:g} of the surface that is solved"
         )
-    table = _layer_table(body, pairs, body.thickness * 2.0 ** max(np.ceil(np.log2(farthest)), -3))
+    if is_level and not is_far:
+        farthest = _WIDEST  # so that levels share a table
+    reach = body.thickness * 2.0 ** max(np.ceil(np.log2(farthest)), -3)
+    table = _layer_table(body, pairs, reach, _BLUR * min(dx, dy) if is_far else 0.0)
     x, y = np.arange(-nx - 2, nx + 3) * dx, np.arange(-ny - 2, ny + 3) * dy
-    points = np.empty((len(pairs), x.size, y.size))
-    for first in range(0, x.size, max(1, 2**18 // y.size)):  # bounds the memory
-        part = slice(first, first + max(1, 2**18 // y.size))
-        points[:, part] = table.at(*np.broadcast_arrays(x[part, None], y))
-    mean = _cell_mean(_cell_mean(points, 1), 2)
+    mean = _cell_mean(_cell_mean(table.at(x, y), 1), 2)
     near_x, near_y = min(_NEAR, nx), min(_NEAR, ny)
     count = 4 + min(int(6 * max(dx, dy) / table.width), 28)
     nodes, weights = np.polynomial.legendre.leggauss(count)
     fine_x = (np.arange(-near_x, near_x + 1)[:, None] + nodes / 2).ravel() * dx
     fine_y = (np.arange(-near_y, near_y + 1)[:, None] + nodes / 2).ravel() * dy
-    values = table.at(*np.broadcast_arrays(fine_x[:, None], fine_y))
-    values = values.reshape(len(pairs), 2 * near_x + 1, count, 2 * near_y + 1, count)
+    values = table.at(fine_x, fine_y).reshape(len(pairs), 2 * near_x + 1, count, 2 * near_y + 1, count)
     near = np.einsum("pxayb,a,b->pxy", values, weights / 2, weights / 2)
     mean[:, nx - near_x : nx + near_x + 1, ny - near_y : ny + near_y + 1] = near
     return np.asarray(mean * dx * dy)
+
+
+def _farthest(shape: tuple[int, int], dx: float, dy: float) -> float:
+    """Largest distance between cells whose influence is tabulated [m]."""
+    return float(np.hypot((shape[0] + 3) * dx, (shape[1] + 3) * dy))
 
 
 def _cell_mean(values: Array, axis: int) -> Array:
@@ -225,6 +262,7 @@ class Kernel:
     spectra: dict[tuple[int, int], Array | ComplexArray]  # By component pair
     circulant: dict[tuple[int, int], Array | ComplexArray]  # Of the nearest periodic operators on the grid itself
     influence: dict[int, float]  # Displacement or potential at the middle of a cell by its unit traction or charge
+    local: float  # Potential at the middle of a cell by its unit charge over that at the cells beside
 
     def transformed(self, tractions: Array) -> ComplexArray:
         """Spectrum of cell tractions; (padded x, padded y // 2 + 1)."""
@@ -240,14 +278,26 @@ class Kernel:
 
 @cached
 def kernel(
-    body: SurfaceBody, punch: SurfaceBody | None, pairs: Pairs, shape: tuple[int, int], dx: float, dy: float
+    body: SurfaceBody,
+    punch: SurfaceBody | None,
+    pairs: Pairs,
+    shape: tuple[int, int],
+    dx: float,
+    dy: float,
+    *,
+    is_level: bool = False,
 ) -> Kernel:
-    """Kernel of a body, with the compliance of an elastic punch, on a grid of cells (dx, dy) [m]."""
+    """Kernel of a body, with the compliance of an elastic punch, on a grid of cells (dx, dy) [m].
+
+    is_level: the cells are of a level of the air, which may be far larger than the layers are thick. From there on the
+    layers' contribution is blurred over a fraction of a cell.
+    """
     nx, ny = shape
+    is_far = is_level and bool(_farthest(shape, dx, dy) > _WIDEST * body.thickness)
     aspect = round(dy / dx, 12)
-    cells = dx * _half_space_cells(body.half_space, pairs, nx, ny, aspect)
+    cells = dx * _half_space_cells(body if is_far else body.half_space, pairs, nx, ny, aspect, is_far)
     if body.layers:
-        cells += _layer_cells(body, pairs, nx, ny, dx, dy)
+        cells += _layer_cells(body, pairs, shape, dx, dy, is_level=is_level, is_far=is_far)
     if punch is not None:
         elastic: Pairs = tuple(pair for pair in pairs if pair[0] == NORMAL and pair[1] != PHI)
         added = dx * _half_space_cells(punch, elastic, nx, ny, aspect)
@@ -263,7 +313,9 @@ def kernel(
     for table in (spectra, circulant):  # displacement I at -r by J is displacement J at r by I
         table[PHI, NORMAL] = np.conj(table[NORMAL, PHI])
     influence = {pair[0]: float(cells[pairs.index(pair)][nx, ny]) for pair in pairs if pair[0] == pair[1]}
-    return Kernel(shape, padded, spectra, circulant, influence)
+    by_charge = cells[pairs.index((PHI, PHI))]
+    beside = by_charge[nx + 1, ny] + by_charge[nx, ny + 1]  # the same on the other sides
+    return Kernel(shape, padded, spectra, circulant, influence, float(by_charge[nx, ny] - beside / 2))
 
 
 def _spectrum(cells: Array, pair: tuple[int, int]) -> Array | ComplexArray:

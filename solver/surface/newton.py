@@ -4,7 +4,7 @@ With p = -s_zz and the gap g = f - depth - u_z of a punch of height f, cells in 
 others p = 0 and phi - V = D_z g / epsilon of the air, or D_z = 0 where the air does not count.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -22,9 +22,11 @@ _STEPS = 40  # of Newton's iteration; smooth contacts take 4 to 8
 _KRYLOV = 40  # vectors between restarts of GMRES
 _RESTARTS = 5
 _ENTRIES = 3  # after which a cell stays in contact: its charge pulls, so that neither side is free of error
-_LEVELS = 8  # coarser levels of the air around the grid
-_LEVEL_CELLS, _COVERED = 32, 8  # cells a side of a level, and those that the level below covers
-_REACH = 64.0  # thicknesses of a layer, from where charges on it do not meet through the layer
+_LEVELS = 16  # coarser levels of the air around the grid
+_LEVEL_CELLS = 64  # cells a side of a level at most: half of those of the grid
+_GROWTH = 2  # ratio of a level's length to that of the level below
+_FEWEST = 4  # cells along a side that does not grow
+_SLENDER = 4.0  # largest ratio of the lengths of a cell of a level
 _PARTS = 4  # of a coarse cell, a side, of its mean capacitance
 _NEGLIGIBLE = 1000.0  # potential across the gap over that by the charges of a level, beyond which charges are alone
 _RAYS, _RAY_NODES, _FAR = 64, 40, 1e3  # of the gap's capacitance beyond, to this multiple of its end
@@ -94,7 +96,15 @@ class System:
     """
 
     def __init__(
-        self, body: SurfaceBody, punch: SurfaceBody | None, shape: Shape, grid: Grid, loading: Loading, depth: float
+        self,
+        body: SurfaceBody,
+        punch: SurfaceBody | None,
+        shape: Shape,
+        grid: Grid,
+        loading: Loading,
+        depth: float,
+        *,
+        levels: int = _LEVELS,
     ) -> None:
         self.grid, self.loading, self.layered = grid, loading, bool(body.layers)
         pairs = NORMAL_PAIRS + (SLIDING_PAIRS if loading.friction else ())
@@ -108,26 +118,30 @@ class System:
         heights, outside, areas, single = [grid.height], [np.ones(grid.shape, dtype=bool)], [1.0], [1.0]
         resistances = [self._per_gap(grid)]
         self._interpolation: list[tuple[Array, Array]] = []
-        while loading.permittivity is not None and len(heights) <= _LEVELS:
-            border = np.concatenate([v.ravel() for v in (heights[-1][[0, -1]], heights[-1][:, [0, -1]])])
-            border = border[np.isfinite(border)] * float(np.min(resistances[-1]))
-            if border.size == 0 or np.min(border) > _NEGLIGIBLE * single[-1] * max(grid.shape):
+        self._averages: list[_Average] = []
+        self._outside = outside
+        while loading.permittivity is not None and len(heights) <= levels:
+            uncovered = _uncovered(grid, shape)
+            grows = _growth(grid, uncovered)
+            edges = [np.ravel(heights[-1].take([0, -1], axis)) for axis in uncovered]
+            border = np.concatenate([*edges, np.full(1, np.inf)]) * float(np.min(resistances[-1]))
+            if np.min(border) > _NEGLIGIBLE * single[-1] * max(grid.shape):
                 break
-            coarse = _around(grid, len(heights))
-            height = coarse_heights(shape, coarse)
-            if float(np.hypot(*coarse.size)) * _LEVEL_CELLS > _REACH * body.thickness:
-                break
-            table = kernel(body, punch, pairs, coarse.shape, *coarse.size)
+            coarse = _around(grid, grows, min(max(self.grid.shape) // 2, _LEVEL_CELLS))
+            table = kernel(body, punch, pairs, coarse.shape, *coarse.size, is_level=True)
+            alone = -table.influence[PHI] / self.elastance
+            per_gap = self._per_gap(coarse)
+            height, average = _averaged(shape, coarse, alone / per_gap)
             self._levels.append((table, self._scaled(table)))
             inside = np.zeros(coarse.shape, dtype=bool)
-            covered = slice(_LEVEL_CELLS // 2 - _COVERED // 2, _LEVEL_CELLS // 2 + _COVERED // 2)
-            inside[covered, covered] = True
+            inside[*(_middle(n, n // grow) for n, grow in zip(coarse.shape, grows, strict=True))] = True
             self._interpolation.append((_linear(coarse.x, grid.x), _linear(coarse.y, grid.y)))
             heights.append(height)
             outside.append(~inside)
+            self._averages.append(average)
             areas.append(coarse.area / self.grid.area)
-            single.append(-table.influence[PHI] / self.elastance)
-            resistances.append(self._per_gap(coarse))
+            single.append(alone)
+            resistances.append(per_gap)
             grid = coarse
         self._shapes = [h.shape for h in heights]
         self._ends = np.cumsum([h.size for h in heights])
@@ -207,18 +221,26 @@ class System:
         fields = [D.reshape(shape) for D, shape in zip(parts, self._shapes, strict=True)]
         P, D = pressure[: self.fine].reshape(self._shapes[0]), fields[0]
         results = [self._convolved(0, P, D)]
-        beyond = []  # fields by the charges of each coarser level
+        beyond, charges = [], [D]  # fields by the charges of each coarser level, and all charges on its cells
         for level, (bx, by) in enumerate(self._interpolation, 1):
             ratio = self.area[self._ends[level - 1]] / self.area[self._ends[level - 1] - 1]
             P, D = bx.T @ P @ by / ratio, bx.T @ D @ by / ratio
+            # the film's answer to charges at their own place stays with their level, and does not spread to other cells
+            local = -self._levels[level][0].local / self.elastance
             beyond.append(self._convolved(level, None, fields[level]))
             results.append(self._convolved(level, P, D) + beyond[-1])
+            results[-1][1] -= local * D * self._outside[level]
+            beyond[-1][1] -= local * fields[level]
+            charges.append(np.where(self._outside[level], 0.0, D) + fields[level])
             D = D + fields[level]
         added: Array | float = 0.0
         for level in range(len(self._interpolation), 0, -1):
             bx, by = self._interpolation[level - 1]
             added = bx @ (beyond[level - 1] + added) @ by.T
             results[level - 1] += added
+        for level, average in enumerate(self._averages, 1):
+            by_others = results[level][1] - self.single[self._ends[level] - 1] * charges[level]
+            results[level][1] += average.change(by_others)
         u, phi = (np.concatenate([result[field].ravel() for result in results]) for field in (0, 1))
         return u, phi
 
@@ -243,24 +265,90 @@ class System:
         return self.grid.area / (self.elastance * self.per_volt)
 
 
-def _around(grid: Grid, level: int) -> Grid:
-    """Coarser level of cells around a grid or a level."""
-    cells = [v.size for v in (grid.x, grid.y)]
-    lines = []
-    for middles, count in zip((grid.x, grid.y), cells, strict=True):
-        step = (middles[1] - middles[0]) * (count / _COVERED if level == 1 else _LEVEL_CELLS / _COVERED)
-        lines.append((middles[0] + middles[-1]) / 2 + (np.arange(_LEVEL_CELLS) - (_LEVEL_CELLS - 1) / 2) * step)
-    return Grid(lines[0], lines[1], np.zeros((_LEVEL_CELLS, _LEVEL_CELLS)), np.ones((_LEVEL_CELLS, _LEVEL_CELLS)))
+def _lengths(grid: Grid) -> tuple[float, float]:
+    """Lengths of a grid [m]."""
+    return grid.size[0] * grid.x.size, grid.size[1] * grid.y.size
 
 
-def coarse_heights(shape: Shape, grid: Grid) -> Array:
-    """Heights of uniform gaps of the same capacitance as the gaps over the cells; (x, y)."""
+def _uncovered(grid: Grid, shape: Shape) -> list[int]:
+    """Axes along which the punch extends beyond a grid."""
+    ends = [
+        end - (length / 2 - abs(v[0] + v[-1]) / 2)
+        for v, length, end in zip((grid.x, grid.y), _lengths(grid), shape.half_extent, strict=True)
+    ]
+    return [axis for axis, length in enumerate(_lengths(grid)) if ends[axis] > 1e-9 * length]
+
+
+def _growth(grid: Grid, uncovered: Sequence[int]) -> tuple[int, int]:
+    """Factors by which the next level is longer along x and y; a slender grid grows along its short side only."""
+    lengths = _lengths(grid)
+    waits = [len(uncovered) == 2 and lengths[axis] >= _GROWTH * lengths[1 - axis] for axis in (0, 1)]
+    x, y = (_GROWTH if axis in uncovered and not waits[axis] else 1 for axis in (0, 1))
+    return x, y
+
+
+def _around(grid: Grid, grows: tuple[int, int], cells: int) -> Grid:
+    """Coarser level around a grid, longer by the factors along x and y, of ``cells`` along a side that grows."""
+    lengths = [length * grow for length, grow in zip(_lengths(grid), grows, strict=True)]
+    counts = [cells if grow > 1 else count for grow, count in zip(grows, grid.shape, strict=True)]
+    for axis in (0, 1):  # no needlessly slender cells
+        while (
+            grows[axis] == 1
+            and counts[axis] > _FEWEST
+            and _SLENDER * lengths[1 - axis] / cells >= 2 * lengths[axis] / counts[axis]
+        ):
+            counts[axis] //= 2
+    x, y = (
+        (v[0] + v[-1]) / 2 + (np.arange(count) - (count - 1) / 2) * length / count
+        for v, count, length in zip((grid.x, grid.y), counts, lengths, strict=True)
+    )
+    return Grid(x, y, np.zeros((x.size, y.size)), np.ones((x.size, y.size)))
+
+
+def _middle(count: int, covered: int) -> slice:
+    """Cells in the middle of a line of cells."""
+    return slice((count - covered) // 2, (count + covered) // 2)
+
+
+@dataclass(frozen=True, eq=False)
+class _Average:
+    """Mean of a potential over the cells of a level, weighted by the charge that it draws there."""
+
+    slopes: tuple[Array, Array]  # weights of central differences along x and y; (x, y) each
+    bends: tuple[Array, Array, Array]  # of second differences along x and y, and of the mixed one; (x, y) each
+
+    def change(self, potential: Array) -> Array:
+        """Weighted mean over each cell minus the value at its middle; (x, y)."""
+        result, v = np.zeros_like(potential), potential
+        inner = v[1:-1, 1:-1]
+        result[1:-1, 1:-1] = (
+            self.slopes[0] * (v[2:, 1:-1] - v[:-2, 1:-1]) / 2
+            + self.slopes[1] * (v[1:-1, 2:] - v[1:-1, :-2]) / 2
+            + self.bends[0] * (v[2:, 1:-1] + v[:-2, 1:-1] - 2 * inner) / 2
+            + self.bends[1] * (v[1:-1, 2:] + v[1:-1, :-2] - 2 * inner) / 2
+            + self.bends[2] * (v[2:, 2:] - v[2:, :-2] - v[:-2, 2:] + v[:-2, :-2]) / 4
+        )
+        return result
+
+
+def _averaged(shape: Shape, grid: Grid, film: Array) -> tuple[Array, _Average]:
+    """Heights of uniform gaps that draw the same charge as the gaps over the cells, (x, y), and the mean potential.
+
+    film: gap of the same elastance as a cell alone [m]; (x, y).
+    """
     parts = (np.arange(_PARTS) + 0.5) / _PARTS - 0.5
     x, y = ((v[:, None] + parts * step).ravel() for v, step in zip((grid.x, grid.y), grid.size, strict=True))
-    with np.errstate(divide="ignore"):
-        inverse = 1 / np.maximum(shape.gap(x[:, None], y), _LEAST_GAP)
-        mean = inverse.reshape(grid.x.size, _PARTS, grid.y.size, _PARTS).mean(axis=(1, 3))
-        return np.asarray(1 / mean)
+    gap = np.maximum(shape.gap(x[:, None], y), _LEAST_GAP).reshape(grid.x.size, _PARTS, grid.y.size, _PARTS)
+    drawn = film[:, None, :, None] / (film[:, None, :, None] + gap)  # over the charge of a closed gap
+    mean = drawn.mean(axis=(1, 3))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        height = np.where(mean > 0, film * (1 / mean - 1), np.inf)
+        weights = np.where(mean[:, None, :, None] > 0, drawn / mean[:, None, :, None], 0.0) / _PARTS**2
+    inner = weights[1:-1, :, 1:-1]
+    x_slope, y_slope = np.einsum("iajb,a->ij", inner, parts), np.einsum("iajb,b->ij", inner, parts)
+    x_bend, y_bend = np.einsum("iajb,a->ij", inner, parts**2), np.einsum("iajb,b->ij", inner, parts**2)
+    mixed = np.einsum("iajb,a,b->ij", inner, parts, parts)
+    return height, _Average((x_slope, y_slope), (x_bend, y_bend, mixed))
 
 
 def _linear(coarse: Array, fine: Array) -> Array:
