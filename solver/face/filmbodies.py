@@ -10,12 +10,14 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
-from solver.line.powerlaw import Constants, PowerLaw, constants_of
-from solver.line.windows import Coat
+from solver.line.windows import Coat, Constants, constants_of
 from solver.material.constants import UNITS, Material
+from solver.material.laws import compose
 from solver.names import BODY, CHOICES, MIXTURES
 from solver.stack.layers import Stack
 
+#: Homogeneous layers of equal thickness that stand for a graded film.
+SUBLAYERS = 12
 _UNGRADED = -1.0
 _HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
 _INTERFACES = ("interface_electric", "interface_magnetic")
@@ -59,24 +61,29 @@ def _by_factors(cases: Cases) -> Bodies:
         np.where(is_graded, exponent, _UNGRADED),
     ]
     lacks = _lacking([(material, np.array(True)), (base, ~rigid)])
-    return Bodies(values["thickness"], columns, lambda row: _film(cases, row), lacks)
+    thickness = np.where(is_graded, values["thickness"] / SUBLAYERS, values["thickness"])
+    return Bodies(thickness, columns, lambda row: _film(cases, row), lacks)
 
 
 def _film(cases: Cases, row: Sequence[float]) -> Film:
     """One of the films by factors."""
     count = len(UNITS) + 1  # and whether it is a conductor
     rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
-    material: Constants | PowerLaw = _constants(row[:count])
+    materials = [_constants(row[:count])]
     if lowest != _UNGRADED:
-        first, two = (constants_of(phase) for phase in phases_of(cases))
         if kind >= len(MIXTURES):
             raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
-        material = PowerLaw(MIXTURES[int(kind)], (first, two), surface, lowest, exponent)
+        depths = (np.arange(SUBLAYERS) + 0.5) / SUBLAYERS
+        fractions = (surface + (lowest - surface) * depths**exponent).tolist()
+        phases = phases_of(cases)
+        materials = [constants_of(compose(MIXTURES[int(kind)], phases, fraction)) for fraction in fractions]
+    upper = [Coat(material, 1.0, "bonded", "bonded") for material in materials[:-1]]
     interfaces = (
         None if code < 0 else CHOICES[name][int(code)]
         for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)
     )
-    return (Coat(material, 1.0, *interfaces),), None if rigid else _constants(row[count : 2 * count])
+    base = None if rigid else _constants(row[count : 2 * count])
+    return (*upper, Coat(materials[-1], 1.0, *interfaces)), base
 
 
 def _interface(cases: Cases, name: str) -> Array:

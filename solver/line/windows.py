@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -11,12 +11,10 @@ from solver.arrays import Array
 from solver.cache import cached
 from solver.halfplane.sliding import Punch
 from solver.line.peaks import PeakTable
-from solver.line.powerlaw import Constants, constants_of, material_from
 from solver.line.stressnets import DEPTH
 from solver.line.table import LEAST, MOST, LengthsError, RangeError, Table, table, told
 from solver.line.tractions import TractionTable
-from solver.material.constants import Material
-from solver.stack.grading import Graded
+from solver.material.constants import ANY_SIZE, UNITS, Material
 from solver.stack.layers import RIGID, Layer, Stack
 from solver.stack.speed import critical_speed
 
@@ -29,11 +27,33 @@ _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are ne
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
 
 
+#: Constants in the order of ``solver.material.constants.UNITS``, None where unknown: NaN never equals itself; then 1 of
+#: a conductor, 0 of others.
+Constants = tuple[float | None, ...]
+
+
+def material_from(constants: Constants, name: str) -> Material:
+    """The material of constants."""
+    *values, conductor = constants
+    values_of: dict[str, Any] = {
+        key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)
+    }
+    return Material(**values_of, conductor=np.array(bool(conductor)), name=name, any_size=ANY_SIZE)
+
+
+def constants_of(material: Material) -> Constants:
+    """The constants of a material without case axes."""
+    material.require_axial()
+    values = {key: float(getattr(material, key)) for key in UNITS}
+    known = (None if np.isnan(value) else value for value in values.values())
+    return (*known, float(material.conductor))
+
+
 @dataclass(frozen=True)
 class Coat:
     """One layer as hashable values, which identify tables."""
 
-    content: Constants | Callable[[Array], Material]  # Constants of a homogeneous layer, or the profile of a graded one
+    content: Constants
     thickness: float = 1.0  # Over that of the top layer
     # What the interface below is to each field; None for the default
     electric: str | None = None
@@ -42,13 +62,10 @@ class Coat:
     @classmethod
     def like(cls, layer: Layer, unit: float) -> Self:
         """Return the coat of a layer, lengths over a unit [m]."""
-        content = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
-        return cls(content, layer.thickness / unit, layer.electric, layer.magnetic)
+        return cls(constants_of(layer.material), layer.thickness / unit, layer.electric, layer.magnetic)
 
     def layer(self) -> Layer:
         """The layer."""
-        if callable(self.content):
-            return Graded(self.content, self.thickness, self.electric, self.magnetic)
         return Layer(material_from(self.content, "film"), self.thickness, self.electric, self.magnetic)
 
 
@@ -76,21 +93,9 @@ class Kind:
         return _stack(self.layers, self.base, self.speed, self.electroded)
 
     @property
-    def graded(self) -> bool:
-        """True if the material of the top layer varies with depth."""
-        return callable(self.layers[0].content)
-
-    def homogeneous(self, depth: float) -> Self:
-        """The kind with the material of a graded top layer at one depth over its thickness."""
-        top = self.layers[0]
-        assert callable(top.content)
-        coat = replace(top, content=constants_of(top.content(np.array(depth))))
-        return replace(self, layers=(coat, *self.layers[1:]))
-
-    @property
     def uniform(self) -> bool:
-        """True if the film is one homogeneous layer."""
-        return len(self.layers) == 1 and not self.graded
+        """True if the film is one layer."""
+        return len(self.layers) == 1
 
     @property
     def above_ground(self) -> float:

@@ -9,7 +9,6 @@ The electrode's charge is ``Y_f t / Y_ff``, v of the tractions at the same place
 """
 
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 
@@ -80,38 +79,12 @@ def difference(stack: Stack, k: Array) -> Array:
     added = waves(stack, k)[0].difference
     if not stack.electroded:
         return added
-    return grounded(stack, added)
-
-
-def grounded(stack: Stack, added: Array) -> Array:
-    """Delta' of a surface that is grounded, from Delta (k, 4, 4) of the bare one; (k, 4, 4)."""
-    D, pivot = _shared(stack, added), stack.media[0].compliance[_PHI, _PHI]
-    return _without_phi(D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (pivot + D[:, _PHI, _PHI])[:, None, None])
-
-
-def grounded_tails(stack: Stack, tails: Array) -> Array:
-    """Tails of Delta' in powers of 1/k, from those of Delta, (order, 4, 4); (order, 4, 4)."""
-    D, pivot = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
-    inverse, added = [1 / pivot], np.array(D)  # of p + D_ff, from order 0 on
-    for order in range(1, len(D)):
-        inverse.append(-sum(D[i - 1, _PHI, _PHI] * inverse[order - i] for i in range(1, order + 1)) / pivot)
-    for first, second in product(range(1, len(D) + 1), repeat=2):
-        for third in range(len(D) + 1 - first - second):
-            product_of_tails = np.outer(D[first - 1, _PHI], D[second - 1, _PHI])
-            added[first + second + third - 1] -= product_of_tails * inverse[third]
-    return _without_phi(added)
-
-
-def _shared(stack: Stack, added: Array) -> Array:
-    """D = P Delta P^T; (..., 4, 4)."""
     share = np.eye(4)
     share[:, _PHI] -= local(stack)
-    return np.asarray(share @ added @ share.T)
-
-
-def _without_phi(values: Array) -> Array:
-    values[:, _PHI, :] = values[:, :, _PHI] = 0.0
-    return values
+    D, pivot = share @ added @ share.T, stack.media[0].compliance[_PHI, _PHI]
+    out = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (pivot + D[:, _PHI, _PHI])[:, None, None]
+    out[:, _PHI, :] = out[:, :, _PHI] = 0.0
+    return np.asarray(out)
 
 
 def lowest(stack: Stack) -> Array:

@@ -7,14 +7,12 @@ import numpy as np
 from solver.arrays import Array
 from solver.halfplane.speed import transonic_speed
 from solver.material.constants import MaterialError
-from solver.stack.grading import staircase
 from solver.stack.layers import Stack
 from solver.stack.reflection import waves
 
 _SCAN = 64  # speeds
 _HALVINGS = 30
 _WAVES = np.geomspace(1e-3, 30.0, 120)  # wavenumbers times the thickness of the top layer, and below all
-_SUBLAYERS = 8
 _SHORT_OF = 1 - 1e-6  # at a transonic speed itself the responses are not defined
 
 
@@ -26,14 +24,13 @@ def critical_speed(stack: Stack, conducts: tuple[bool, bool] = (True, True)) -> 
     the punch conducts held at zero. In a film that depends on k; at large k it is the surface wave of the top material,
     at small k that of the base.
     """
-    whole = staircase(stack, _SUBLAYERS) if stack.top.graded else stack
-    bodies = [layer.material for layer in whole.layers]
-    bodies += [] if isinstance(whole.base, str) else [whole.base]
+    bodies = [layer.material for layer in stack.layers]
+    bodies += [] if isinstance(stack.base, str) else [stack.base]
     for body in bodies:
         if np.any(np.isnan(body.rho)):
             raise MaterialError(f"{body.name}: rho: missing; a speed needs the density [kg m-3]")
     transonic = float(min(transonic_speed(body) for body in bodies)) * _SHORT_OF
-    free = _stiffness(whole, conducts)
+    free = _stiffness(stack, conducts)
     below = 0.0
     for speed in np.linspace(0.0, transonic, _SCAN + 1)[1:].tolist():
         if not free(speed) > 0:

@@ -20,7 +20,7 @@ from solver.line.contact import FilmContact
 from solver.line.kernel import ENTRIES, Kernel, kernel
 from solver.line.surface import local_fields
 from solver.line.system import System
-from solver.line.table import at, table
+from solver.line.table import SlowWarning, at, table
 from solver.stack.layers import RIGID, Layer, Stack, StackError
 from solver.stack.reflection import waves
 from solver.stack.speed import critical_speed
@@ -205,3 +205,10 @@ def test_forces_inside_are_those_of_the_inertia() -> None:
         assert abs(inertia) > 1e-3 * abs(along[0])
         assert along[0] + down[1] == pytest.approx(inertia, rel=1e-5)
         assert along[3] == pytest.approx(-down[4], rel=1e-5)
+
+
+def test_tables_that_take_long_say_so_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("solver.line.table._LONG", 0.0)
+    monkeypatch.setattr("solver.line.table.at", lambda *_: np.zeros(()))
+    with pytest.warns(SlowWarning, match=r"a table of half-lengths from 1 to 2 thicknesses of this film takes about"):
+        _ = table(Stack((Layer(BTO, 1.0),)), least=1.0, most=2.0, nodes=4).at_nodes
