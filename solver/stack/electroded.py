@@ -25,7 +25,7 @@ class Electroded(HalfPlane):
 
     @cached_property
     def _bare(self) -> HalfPlane:
-        return HalfPlane(self.material, self.speed)
+        return HalfPlane(self.material)
 
     @cached_property
     def compliance(self) -> Array:
@@ -61,7 +61,7 @@ class Electroded(HalfPlane):
 def met(stack: Stack) -> HalfPlane:
     """Half-plane of the top layer as a punch meets it."""
     half = stack.media[0].halfplane
-    return Electroded(half.material, half.speed) if stack.electroded else half
+    return Electroded(half.material) if stack.electroded else half
 
 
 def surface(stack: Stack) -> Array:
