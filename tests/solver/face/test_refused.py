@@ -135,9 +135,7 @@ REFUSED: dict[str, Case] = {
     },
     # electrodes
     "collector: 3 is not one of the 2 electrodes of": BALL | BARE | READ | {"collector": 3},
-    "friction: of a point contact on patches of the electrode on top; must be 0": PATCH | {
-        "friction": 0.1, "electrode": "top", "electric": "insulating"
-    },
+    "patch_size: of the electrode on top; must be absent": PATCH | {"electrode": "top", "electric": "insulating"},
     "electrode_voltage: below a punch that conducts on a bare surface": BALL | BARE | READ | {"electrode_voltage": 3.0},
     "collector: missing; electrode_voltage needs it": ON_FILM | {"electrode_voltage": 3.0},
     "collector: 1.5 is not a whole number >= 1 [1]": BALL | BARE | READ | {"collector": 1.5},
