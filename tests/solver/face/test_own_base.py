@@ -23,7 +23,6 @@ LINES: dict[str, dict[str, Any]] = {
     "own": {"profile": solver.Profile.polynomial([0.0, 20.0, 0.0, 1e9])},
     "elastic": {"radius": 0.05, "punch": "steel"},
     "elastic wedge": {"profile": "wedge", "slope": 2e-3, "punch": "brass", "material": "PZT-4"},
-    "moving": {"radius": 0.05, "speed": 2000.0},
     "isotropic": {"radius": 0.05, "material": "glass"},
 }
 POINT: dict[str, Any] = {"material": MIX, "force": 10.0}

@@ -13,8 +13,7 @@ from scipy.special import j0, j1
 import solver
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
-from solver.line.powerlaw import constants_of
-from solver.line.windows import Coat, Kind
+from solver.line.windows import Coat, Kind, constants_of
 from solver.point import electrodes, inside, sliding, slidingtable
 from solver.point.profile import Shape, halfspace_form
 from solver.point.quantities import quantities
