@@ -239,3 +239,10 @@ def test_two_clusters_of_errors_have_a_quantile() -> None:
     ends = result.distribution.ends(0.9) * result.std(np.full((1, 60), 1e-6), t)[0, 0]
     assert np.all(np.isfinite(ends))
     assert np.mean((ends[0] <= error) & (error <= ends[1])) >= 0.85
+
+
+def test_a_constant_between_few_cases_is_a_quantile() -> None:
+    """The gap below the largest of ten is wider than the smoothing, from whose middle no case is near."""
+    y = np.random.default_rng(2).normal(size=10) ** 3
+    (constant,) = quantile_regression(np.ones((10, 1)), y, 0.95)
+    assert np.sort(y)[-2] <= constant <= 1.1 * y.max()

@@ -256,7 +256,9 @@ def test_the_interior_of_a_table_of_cases(tmp_path: Path) -> None:
 def test_one_case_is_printed_in_engineering_units(flux: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main.main(["solve", "--at", f"material=PZT-4,profile=sphere,radius=5 mm,force=1 N{flux}"]) == 0
     quantities, left_out = capsys.readouterr().out.split("\n\n")
-    assert "left out: Adhesion is 0.12 % of the force; 50 mJ/m² holds the ball with 1.2 mN." in left_out.splitlines()
+    assert (
+        "left out: Adhesion widens the contact by 2.3 %; 50 mJ/m² holds the ball with 1.2 mN." in left_out.splitlines()
+    )
     magnetic_default = ["magnetic conducting"] if flux else []
     defaults = ["punch rigid", "friction 0", "electric conducting", *magnetic_default, "total_charge 0"]
     assert left_out.splitlines()[0] == f"defaults: {', '.join(defaults)}"
