@@ -14,17 +14,11 @@ _WAVE_NODES = 16  # a panel, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
 _ENDED = 40.0  # thicknesses from which Delta is ended
 _END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
-_GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
 
 
 def strip(stack: Stack) -> float:
-    """b = 2 h1 g [m]: Delta(k), or what is left of it without its tails, decays like exp(-b k)."""
+    """b = 2 h1 g [m]: Delta(k) decays like exp(-b k)."""
     return 2 * stack.top.thickness * float(stack.media[0].slowest)
-
-
-def graded_strip(stack: Stack) -> float:
-    """Width whose exponential ends where the remainder of a graded layer, which decays like k^-4, is small."""
-    return DECAYED * stack.top.thickness / _GRADED_END
 
 
 def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
