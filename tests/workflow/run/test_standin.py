@@ -28,7 +28,7 @@ def test_a_script_alone_makes_what_its_job_makes(ran: Project, tmp_path: Path, s
     assert not (tmp_path / "logs").exists()
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_a_file_that_the_script_does_not_make_is_refused_in_one_line(tmp_path: Path) -> None:
     alone = [sys.executable, str(ROOT / "workflow/scripts/slab.py"), "results/small/surrogate.nc"]
     done = subprocess.run(alone, cwd=tmp_path, check=False, capture_output=True, text=True)
