@@ -51,7 +51,7 @@ def bonded(case: dict[str, Any], thickness: float) -> dict[str, Any]:
     return case | interface | {"thickness": thickness, "base": case["material"]}
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("conducts", ALL)
 @pytest.mark.parametrize("name", LINES)
 def test_lines(name: str, conducts: tuple[bool, bool]) -> None:

@@ -304,16 +304,6 @@ def test_stores_are_those_between_two_states_of_one_width(
     assert float(first[store]) == pytest.approx(secant, rel=1e-7, abs=0)
 
 
-def test_figures_that_others_found() -> None:
-    """Four digits of an independent check: dT/dV between two states of one contact, and an insulated base's exact."""
-    assert float(solver.solve(ACTIVE_BASE | {"load": 3e6})["capacitance_per_length"]) == pytest.approx(
-        9.888e-9, rel=5e-5
-    )
-    layers = Layer(solver.find("PZT-5H"), 10e-6), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")
-    computed = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})
-    assert float(computed["permeance_per_length"]) == pytest.approx(-6.960e-6, rel=1e-4)
-
-
 @pytest.mark.parametrize(("thin", "load"), [(10e-6, 1e4), (50e-6, 1e3)])
 def test_permeance_above_an_insulated_base_is_that_of_a_strip(thin: float, load: float) -> None:
     """One permeability throughout: (J / pi mu) log|2 sinh(pi x / 2H)|, and Chebyshev's terms, are the potential.

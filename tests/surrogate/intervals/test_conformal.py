@@ -167,16 +167,6 @@ def test_cases_that_share_places_count_as_places_in_parts_of_the_box() -> None:
     assert not learnt.trend_degree.all(axis=1).any()  # no product of the two
 
 
-def test_exactly_reproduced_outputs_keep_a_zero_interval() -> None:
-    data = functions.factorial((6, 4, 4, 3, 2)).assign(constant=((), 3.0))
-    cases = functions.scattered(100, seed=1).assign(constant=("case", np.full(100, 3.0)))
-    model = GridGP(inputs=functions.INPUTS).fit(data).calibrate(cases)
-    answer = model.predict(functions.scattered(10, seed=2)[list(model.box)])
-    np.testing.assert_array_equal(answer["constant"], 3.0)
-    assert float(answer["constant_std"].max()) < 1e-100
-    assert bool((answer["smooth_std"] > 0).all())
-
-
 @pytest.mark.parametrize(
     ("change", "says"),
     [

@@ -173,25 +173,6 @@ def test_query_gives_the_exact_answer_beside_its_own(
     assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", point_text, "--exact", "smal")
 
 
-def test_query_outside_the_box_is_refused_or_flagged(
-    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = ran.folder / "results/small/surrogate.nc"
-    point_text = "volume_fraction=0.6,friction=0.2,radius=0.5,load=1e4"
-    line = complaint(capsys, "query", path, "--at", point_text)
-    assert "radius" in line
-    assert "0.5" in line
-    assert main.main(["query", str(path), "--at", point_text, "--extrapolate"]) == 0
-    assert "extrapolated" in capsys.readouterr().out
-    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.6,0.2,0.5,1e4\n")
-    out = tmp_path / "out.csv"
-    complaint(capsys, "query", path, table, "-o", out)
-    assert not out.exists()
-    assert main.main(["query", str(path), str(table), "-o", str(out), "--extrapolate"]) == 0
-    with out.open(encoding="utf-8") as file:
-        assert [row["extrapolated"] for row in csv.DictReader(file)] == ["0", "1"]
-
-
 def test_the_installed_command_exits_with_the_status(copy: Copy, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stopped:
         main.main(["--version"])
