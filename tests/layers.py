@@ -45,8 +45,9 @@ def sample(cases: Sequence[frozenset[tuple[str, object]]], count: int) -> set[in
     """Positions of a few cases of a product: each adds the most values that none before it has."""
     seen: set[tuple[str, object]] = set()
     taken: set[int] = set()
+    spread = [k * len(cases) // count for k in range(count)]  # of cases that add as much, those far from one another
     while len(taken) < min(count, len(cases)):
-        k = max(set(range(len(cases))) - taken, key=lambda k: (len(cases[k] - seen), -k))
+        k = max(set(range(len(cases))) - taken, key=lambda k: (len(cases[k] - seen), k in spread, -k))
         taken.add(k)
         seen |= cases[k]
     return taken
