@@ -343,6 +343,17 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     assert half_space["roughness"].left_out_words.endswith("the charge does not move.")
     assert half_space["heat"].left_out_words == "Heat is known of films only."
     assert next(iter(half_space)) == "depoling stress"  # 2.7 times the limit
+    soft = {
+        "material": "PDMS",
+        "profile": "sphere",
+        "radius": 0.01,
+        "punch": "skin",
+        "thickness": 3e-3,
+        "base": "steel",
+    }
+    without_charge = effects(soft | {"force": 0.02})
+    assert not {"heat", "bending of the base", "spark beside the contact"} & {*without_charge}
+    assert without_charge["roughness"].left_out_words.endswith("rms double it.")
     assert "amplifier" not in half_space
 
 

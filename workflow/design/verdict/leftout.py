@@ -21,6 +21,7 @@ from solver.face.strain import DEEP, WIDE
 from solver.material.punches import RIGID_PUNCH, punches
 from solver.names import BODY, CHOICES, FACTORS
 from workflow.language import titles
+from workflow.language.constants import DEVICE
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital
 from workflow.study import layered
@@ -159,7 +160,7 @@ class SolvedCase:
     def charge(self) -> float:
         """Size of the charge that is read [C]; NaN where none is."""
         name = next((name for name in _READ if name in self.solved), None)
-        return abs(self.solved[name]) * self.force if name else np.nan
+        return (abs(self.solved[name]) * self.force or np.nan) if name else np.nan
 
     @property
     def stack(self) -> Stack | None:
@@ -188,7 +189,8 @@ def of_study(
     study: Study, factors: Mapping[str, Any], smallest_force: float, band: float, hold: float | None = None
 ) -> SolvedCase:
     """A case of a study, with its device, for the budget; `hold` [s]: None of the study's signal."""
-    device = study.device.constants if study.device else {}
+    device = dict(study.device.constants) if study.device else {}
+    device |= {name: float(factors[name]) for name in DEVICE if study.device and name in factors}
     phases = (study.phases[0], study.phases[1])
     return SolvedCase(
         kind=study.kind,
@@ -391,9 +393,10 @@ def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
     waves = rms / double  # p*/p0
     factor = 1 + waves if waves < _APART else float((24 / np.pi * waves**2) ** (1 / 3))
     brief = f"roughness of {shown(rms, 'm', 2)} raises the largest pressure {_raised('up to ', factor)}"
-    moved = 100 * _CHARGE_MOVES * 2 * case.radius * rms / case.half**2
-    charge = f"moves by at most {number(moved, 2)} %" if case.kind.layered else "does not move"
-    detail = f"; {shown(double, 'm', 2)} rms double it; the charge {charge}"
+    detail = f"; {shown(double, 'm', 2)} rms double it"
+    if np.isfinite(case.charge):
+        moved = 100 * _CHARGE_MOVES * 2 * case.radius * rms / case.half**2
+        detail += f"; the charge {f'moves by at most {number(moved, 2)} %' if case.kind.layered else 'does not move'}"
     yield _effect(case, "roughness", "stress", rms, double, "m", factor - 1, brief, detail)
 
 
@@ -419,10 +422,9 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
     factor, left = deepest**m, min(deepest / falls, 1.0)
     lifting, doubling = (TILT / falls * end for end in ((n + 1) ** (1 / n), 2 ** ((n + 1) / m) / (n + 1)))
     brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {_raised('', factor)}"
-    detail = (
-        f"; an end of {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)} or more, and at least "
-        f"{number(100 * left, 2)} % of the length stay in contact"
-    )
+    detail = f"; an end of its {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)} or more"
+    if left < 1:
+        detail += f", and at least {number(100 * left, 2)} % of the length stay in contact"
     yield _effect(case, "tilt", "stress", TILT, doubling, "rad", factor - 1, brief, detail)
 
 
@@ -547,9 +549,9 @@ def _spark(case: SolvedCase) -> Iterator[LeftOut]:
     Peschot et al., Appl. Phys. Lett. 105 (2014) 123109.
     """
     solved, circuit = case.read_out
-    if "gap_field" not in solved:
+    size = solved.get("gap_field", 0.0)
+    if not size:  # no gap, or nothing that charges it
         return
-    size = solved["gap_field"]
     brief = f"{circuit} the field beside the contact is {_times(size / SPARK)} that of sparks in short gaps"
     detail = f"; gaps up to 4 µm spark from {shown(SPARK, 'V m-1', 2)} on, polished ones below 1 µm from 350 MV/m"
     yield _effect(case, "spark beside the contact", "", size, SPARK, "V m-1", np.nan, brief, detail)
