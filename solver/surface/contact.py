@@ -29,8 +29,8 @@ _TANGENT = 1e-2  # residual of tangents over the asked error
 _SECANT = 0.08  # change of the load for the stiffness: a fortieth of the contact's width, several cells
 _ROUNDING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
 # difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
-# like the cell to the power 3/2; charges at the edge and in the air fall slower, and now and then pass through zero
-_SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 0.4, "voltage": 0.4}
+# like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower
+_SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 1.0, "voltage": 1.0}
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
 

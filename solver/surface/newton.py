@@ -23,7 +23,7 @@ _KRYLOV = 40  # vectors between restarts of GMRES
 _RESTARTS = 5
 _ENTRIES = 3  # after which a cell stays in contact: its charge pulls, so that neither side is free of error
 _LEVELS = 16  # coarser levels of the air around the grid
-_LEVEL_CELLS = 64  # cells a side of a level at most: half of those of the grid
+_LEVEL_CELLS = 4.2  # cells a side of a level, over the root of those of the grid: both errors fall alike
 _GROWTH = 2  # ratio of a level's length to that of the level below
 _FEWEST = 4  # cells along a side that does not grow
 _SLENDER = 4.0  # largest ratio of the lengths of a cell of a level
@@ -127,7 +127,7 @@ class System:
             border = np.concatenate([*edges, np.full(1, np.inf)]) * float(np.min(resistances[-1]))
             if np.min(border) > _NEGLIGIBLE * single[-1] * max(grid.shape):
                 break
-            coarse = _around(grid, grows, min(max(self.grid.shape) // 2, _LEVEL_CELLS))
+            coarse = _around(grid, grows, 4 * round(_LEVEL_CELLS * min(self.grid.shape) ** 0.5 / 4))
             table = kernel(body, punch, pairs, coarse.shape, *coarse.size, is_level=True)
             alone = -table.influence[PHI] / self.elastance
             per_gap = self._per_gap(coarse)
@@ -383,6 +383,7 @@ class Linearised:
             self.resistance_rate = np.where(air, state.charge * system.per_gap * (1 + g / root) / 2, 0.0)
         self.resistance = self.resistance + system.cut
         self._row = 1 / (system.single + self.resistance)
+        self._row_scale = self._row * np.sqrt(system.area)  # a large cell holds more of the charge
         share = system.single * self._row
         self._weight = np.sqrt(share) * self.charged
         self._alone = np.where(self.charged, (1 - share) * self._row, 0.0)
@@ -438,11 +439,11 @@ class Linearised:
         return self._rows(first + self.system.cut * pressure, second)
 
     def _rows(self, first: Array, second: Array) -> tuple[Array, Array]:
-        return np.where(self.state.pressed, first, 0.0), np.where(self.charged, second * self._row, 0.0)
+        return np.where(self.state.pressed, first, 0.0), np.where(self.charged, second * self._row_scale, 0.0)
 
     def precondition(self, first: Array, second: Array) -> tuple[Array, Array]:
         """Approximate inverse of :meth:`product`."""
-        second = second / self._row
+        second = second / self._row_scale
         a, b = self.system.precondition(first, self._weight * second)
         a = a / (1 + self.system.cut)
         return np.where(self.state.pressed, a, 0.0), self._weight * b + self._alone * second
