@@ -20,6 +20,7 @@ from workflow.design.verdict.leftout import LeftOut, SolvedCase
 from workflow.design.verdict.variable import End
 from workflow.design.wording import words
 from workflow.language import statements
+from workflow.language.numbers import shown
 from workflow.study.allowable import Allowable
 
 AMPLIFIER = {"input_capacitance": 1e-11, "feedback_capacitance": 1e-11, "feedback_resistance": 1e13}
@@ -146,31 +147,19 @@ def test_the_quickstart_ball_has_the_figures_of_its_page() -> None:
     exact = solve(BALL | {"touch_temperature": 294.15, "hold": 1.0})
     assert heat.left_out_matters == pytest.approx(float(exact["temperature_equal"]))
     assert heat.left_out_share == pytest.approx(1 / heat.left_out_matters)
-    assert "2 mK the smallest force" in heat.left_out_words
-    # 539 uC/m2/K (docs/heat.md) over pi (36.175 um)^2, of 40.0 pC times 5 uN/0.2 N
-    assert heat.left_out_words.endswith("; of the whole body 450 µK equal the smallest force.")
+    assert "85 µK the smallest force" in heat.left_out_words
+    # 40.0 pC times 5 uN/0.2 N over 14.625 pF times 539 uC/m2/K 80 um/7.603 nF/m (docs/heat.md)
+    assert heat.left_out_words.endswith("; of the whole body 12 µK equal the smallest force.")
     assert next(iter(budget)) == "mass of the punch"
 
 
-def test_heat_beside_the_contact_is_that_of_an_insulated_edge() -> None:
-    """An electrode without end collects heat as the spot's area: 2 sqrt(diffusivity time/pi)/a more."""
-    case = BALL | {
-        "electrode": "top",
-        "collector": 2,
-        "surroundings": "insulated",
-        "touch_temperature": 294.15,
-        "hold": 4e-6,
-    }
-    budget = effects(case)
-    material, solved = find("PZT-4"), solve(case)
-    conductivity, capacity = (float(material.thermal[name].value) for name in ("conductivity", "heat_capacity"))
-    width = (conductivity / capacity * 4e-6 / np.pi) ** 0.5
-    effect = budget["heat beside the contact"]
-    assert effect.left_out_size == pytest.approx(width, rel=1e-12)
-    share = budget["heat"].left_out_share * 2 * width / float(solved["contact_radius"])
-    assert effect.left_out_share == pytest.approx(share, rel=1e-9)
-    below = effects(BALL | {"touch_temperature": 294.15, "hold": 4e-6})  # the punch collects below its contact alone
-    assert below["heat beside the contact"].left_out_share < below["heat"].left_out_share * 2 * width / 3.6e-5
+def test_a_change_everywhere_charges_an_electrode_without_end_without_limit() -> None:
+    read = BALL | {"electrode": "top", "collector": 2, "surroundings": "insulated"}
+    assert "of the whole body" not in effects(read)["heat"].left_out_words
+    # 539 uC/m2/K over a disc of 1 mm: the pad's own area
+    pad = effects(read | {"patch_size": 1e-3})["heat"]
+    kelvin = abs(float(solve(read | {"patch_size": 1e-3})["patch_charge_per_force"])) * 0.2 / (539e-6 * np.pi * 0.25e-6)
+    assert f"; of the whole body {shown(kelvin, 'K', 2)} equal the signal." in pad.left_out_words
 
 
 def test_a_base_that_bends_and_a_pad_that_ends() -> None:
