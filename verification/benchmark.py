@@ -303,7 +303,7 @@ def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -
     On the ellipse x = A xi, pressure p (1 - |xi|^2)^(1/2) and charge density (q + xi.Q xi) (1 - |xi|^2)^(-1/2) have
     Radon transforms that are polynomials. So are displacement and potential, where the response Y to a wave is real.
     """
-    angles: Array = np.arange(64) * (np.pi / 64)  # Y(theta + pi) = Y(theta)
+    angles = np.linspace(0.0, np.pi, 64, endpoint=False)  # Y(theta + pi) = Y(theta)
     response = body.multiplier(np.array([np.inf]), angles)[0][:, [[NORMAL], [PHI]], [NORMAL, PHI]].real
     normals = np.stack([np.cos(angles), np.sin(angles)])
     quadratic = np.array([1.0, -1.0, 0.0, -1.0])  # 1 - |xi|^2 in 1, xi_1^2, xi_1 xi_2, xi_2^2

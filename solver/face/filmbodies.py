@@ -51,8 +51,8 @@ def _by_factors(cases: Cases) -> Bodies:
     mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
     exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
     columns = [
-        *_known(cases, material),
-        *(np.where(rigid, 0.0, constant) for constant in _known(cases, base)),
+        *_known(material),
+        *(np.where(rigid, 0.0, constant) for constant in _known(base)),
         rigid,
         *(_interface(cases, name) for name in _INTERFACES),
         np.where(is_graded, graded, _UNGRADED),
@@ -117,7 +117,7 @@ def _over_the_top(stack: Stack) -> Film:
     return layers, None if isinstance(stack.base, str) else constants_of(stack.base)
 
 
-def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
+def half_planes(material: Material, half_length: Array) -> Bodies:
     """Half-planes as films bonded to their own material: of any thickness, which the contact is given in proportion to.
 
     All lie in the middle of one window of half-lengths, whatever their punch and load.
@@ -128,7 +128,7 @@ def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
         return (Coat(constants, 1.0, "bonded", "bonded"),), constants
 
     lacks = _lacking([(material, np.array(True))])
-    return Bodies(half_length / _HALF_LENGTH, _known(cases, material), film, lacks)
+    return Bodies(half_length / _HALF_LENGTH, _known(material), film, lacks)
 
 
 def refuse_charge(cases: Cases) -> None:
@@ -140,11 +140,11 @@ def refuse_charge(cases: Cases) -> None:
         )
 
 
-def _known(cases: Cases, material: Material) -> list[Array]:
+def _known(material: Material) -> list[Array]:
     """Constants by case, infinite where unknown, and conductors; the density of what rests has no part."""
-    moving = cases.number("speed") > 0
-    known = {key: np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS}
-    constants = [np.where(moving, value, np.inf) if key == "rho" else value for key, value in known.items()]
+    constants = [
+        np.array(np.inf) if key == "rho" else np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS
+    ]
     return [*constants, material.conductor.astype(np.float64)]
 
 

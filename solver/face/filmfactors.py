@@ -85,7 +85,10 @@ def present(arrays: Mapping[str, xr.DataArray]) -> list[Kind]:
 
 
 def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Every film has a base, every half-plane has none of a film's factors."""
+    """Every film has a base, every half-plane has none of a film's factors; what has layers or air has no speed."""
+    if "speed" in arrays:
+        plain = kinds_of(arrays) == KINDS["line", False, False].name
+        refuse(arrays, "speed", (bare(arrays, "speed") != 0) & ~plain, "m/s of what is no half-plane without air")
     if not arrays.keys() & {BODY, *OF_A_FILM}:
         return
     present = {name: _has(arrays, name) for name in OF_A_FILM}

@@ -1,7 +1,7 @@
 """Quantities of the heat that a touch brings to films, from solved contacts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
@@ -11,7 +11,7 @@ import xarray as xr
 from solver.arrays import Array
 from solver.body import around
 from solver.face.filmfactors import absent, bare
-from solver.heat.charge import HeatedStack, HeatError, constant
+from solver.heat.charge import HeatedStack, HeatError, constant, film_gap
 from solver.heat.touch import Patch, Shape, Spot, Warmed
 from solver.material.constants import Material
 from solver.material.laws import compose
@@ -202,20 +202,27 @@ def responses(
 ) -> tuple[Array, float]:
     """Charge after a step of what touches one solved film, (time,), and that of one change everywhere, per kelvin.
 
-    One change everywhere charges an electrode without end without limit: infinite.
     ``case`` holds single factors, as for :func:`solver.solve`; times are in s, charges in C/K, of lines in C m-1 K-1.
     HeatError names a constant that is not known.
     """
     touches = _Touches(materials, phases)
-    contact = {name: float(solved[name].squeeze()) for name in _CONTACT if name in solved}
-    heated = HeatedStack.of(touches.stack(case), None if "collector" not in case else int(case["collector"]))
-    spot, patch = touches.spot({**case, **contact}), _patch({**case, **contact})
+    case = {**case, **{name: float(solved[name].squeeze()) for name in (*_CONTACT, *_CAPACITANCES) if name in solved}}
+    stack = touches.stack(case)
+    heated = HeatedStack.of(stack, None if "collector" not in case else int(case["collector"]))
+    spot, patch = touches.spot(case), _patch(case)
     charges = [heated.collected(heated.warmed(spot, time), patch) for time in times]
-    if heated.film_gap is not None:
-        # a film of one temperature has the same open voltage everywhere: its charge is that voltage times the
-        # capacitance of the punch (reciprocity)
-        capacitance = next((float(solved[name].squeeze()) for name in _CAPACITANCES if name in solved), 0.0)
-        area = max(spot.area, capacitance * heated.film_gap / VACUUM_PERMITTIVITY)
-    else:
-        area = np.inf if patch is None or patch.shape != spot.shape else replace(spot, half_width=patch.half_width).area
-    return np.array(charges), heated.uniform * area
+    return np.array(charges), heated.uniform * charged_area(case, stack)
+
+
+def charged_area(case: Mapping[str, Any], stack: Stack) -> float:
+    """Area of film whose charge an electrode collects where all of the film is polarised alike [m2], of lines [m].
+
+    ``case`` holds factors and quantities. Such a film has one open voltage everywhere. So the charge of a punch is that
+    voltage times its capacitance, air included (reciprocity). An electrode without end collects without limit.
+    """
+    shape, half = _shape(case)
+    contact, patch = Spot(shape, half).area, _patch(case)
+    if "collector" not in case:
+        capacitance = next((float(case[name]) for name in _CAPACITANCES if name in case), 0.0)
+        return max(contact, capacitance * film_gap(stack) / VACUUM_PERMITTIVITY)
+    return np.inf if patch is None or patch.shape != shape else Spot(shape, patch.half_width).area

@@ -97,8 +97,9 @@ def layer_weights(stack: Stack, collector: int | None = None) -> Array:
 
 
 def film_gap(stack: Stack) -> float:
-    """Thickness of air whose capacitance is that of the layers between the surface and the first electrode [m]."""
-    layers = [(layer.thickness, layer.material) for layer in stack.layers[: electrodes(stack)[0][0] + 1]]
+    """Thickness of air whose capacitance is that of the layers above the first electrode [m]; 0 without one."""
+    below = electrodes(stack)
+    layers = [(layer.thickness, layer.material) for layer in stack.layers[: below[0][0] + 1 if below else 0]]
     return VACUUM_PERMITTIVITY * sum(h / float(m.eps33 + m.e33**2 / m.c33) for h, m in layers)
 
 

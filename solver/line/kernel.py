@@ -124,8 +124,7 @@ def _resolved(stack: Stack, width: float, ends: Array, octaves: Array | None) ->
         channels = channels.halved(values, large)
     if np.any(_undecayed(channels.series)):
         raise StackError(
-            "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
-            "(or a speed next to the critical one)"
+            "kernel: its table does not resolve this stack: layers too different in thickness or stiffness"
         )
     return channels
 

@@ -16,7 +16,6 @@ from solver.line.table import LEAST, MOST, LengthsError, RangeError, Table, tabl
 from solver.line.tractions import TractionTable
 from solver.material.constants import ANY_SIZE, UNITS, Material
 from solver.stack.layers import RIGID, Layer, Stack
-from solver.stack.speed import critical_speed
 
 _A_DECADE = 2  # windows
 _OVERLAP = 1.3  # of a window with its neighbours
@@ -79,7 +78,6 @@ class Kind:
     conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
     smooth: tuple[bool, bool]  # Whether the trailing and the leading edge of the contact are smooth
     degree: int  # Largest power of x in the slope of the punch
-    speed: float = 0.0  # Steady sliding speed [m/s]
     punch: tuple[float, float] = (0.0, 0.0)  # N_p and k_p of the punch [1/Pa], 0 of a rigid one
     electroded: bool = False  # Whether the surface is a grounded electrode without stiffness
 
@@ -90,7 +88,7 @@ class Kind:
 
     def stack(self) -> Stack:
         """The film, its top layer of unit thickness, on its base."""
-        return _stack(self.layers, self.base, self.speed, self.electroded)
+        return _stack(self.layers, self.base, self.electroded)
 
     @property
     def uniform(self) -> bool:
@@ -109,16 +107,10 @@ class Kind:
 
 
 @cached
-def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float, electroded: bool) -> Stack:
+def _stack(layers: tuple[Coat, ...], base: Constants | None, electroded: bool) -> Stack:
     """One stack for all tables of it: what is found once for a stack, is found once."""
     built = tuple(coat.layer() for coat in layers)
-    return Stack(built, RIGID if base is None else material_from(base, "base"), speed, electroded)
-
-
-@cached
-def critical(kind: Kind) -> float:
-    """First critical speed [m/s] of films of a kind, whatever their thickness."""
-    return critical_speed(kind.stack(), kind.conducts)
+    return Stack(built, RIGID if base is None else material_from(base, "base"), electroded)
 
 
 @cached

@@ -4,8 +4,6 @@ Under the electrode phi = 0 at the surface, and D_y is what the electrode takes:
 grounded interface. With ``Y = Y0 + Delta``, p = Y0_ff and v = Y0_f / p, what the layers add keeps its digits:
 
     Delta' = D - D_f D_f^T / (p + D_ff),   D = P Delta P^T,  P = I - (v - e) e^T.
-
-The electrode's charge is ``Y_f t / Y_ff``, v of the tractions at the same place and what decays with k.
 """
 
 from functools import cached_property
@@ -25,7 +23,7 @@ class Electroded(HalfPlane):
 
     @cached_property
     def _bare(self) -> HalfPlane:
-        return HalfPlane(self.material, self.speed)
+        return HalfPlane(self.material)
 
     @cached_property
     def compliance(self) -> Array:
@@ -61,7 +59,7 @@ class Electroded(HalfPlane):
 def met(stack: Stack) -> HalfPlane:
     """Half-plane of the top layer as a punch meets it."""
     half = stack.media[0].halfplane
-    return Electroded(half.material, half.speed) if stack.electroded else half
+    return Electroded(half.material) if stack.electroded else half
 
 
 def surface(stack: Stack) -> Array:
@@ -96,11 +94,3 @@ def local(stack: Stack) -> Array:
     """Charge v of the electrode per traction on it, of the top layer's half-plane, 0 for phi; (4,)."""
     row = stack.media[0].compliance[_PHI]
     return np.asarray(np.where(np.arange(4) == _PHI, 0.0, row / row[_PHI]))
-
-
-def beyond_local(stack: Stack, k: Array) -> Array:
-    """Layers' and base's part of the charge per traction, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4)."""
-    pivot, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
-    shares = (row - local(stack) * row[:, _PHI, None]) / (pivot + row[:, _PHI, None])
-    shares[:, _PHI] = 0.0
-    return np.asarray(shares)

@@ -14,12 +14,11 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
 from solver.cache import cached
-from solver.stack.electroded import beyond_local, local
 from solver.stack.fourier import falling
 from solver.stack.layers import Stack, StackError
 from solver.stack.layerwaves import below
 from solver.stack.reflection import waves
-from solver.stack.wavenumbers import strip, wavenumbers
+from solver.stack.wavenumbers import wavenumbers
 
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
@@ -70,14 +69,12 @@ class Electrode:
 
     @property
     def on_top(self) -> bool:
-        """Return whether it lies on the surface: its charge is then :attr:`local` and that carried by waves."""
+        """Return whether it lies on the surface, where it is read as a whole only."""
         return self.interfaces == (_TOP,)
 
     @property
     def width(self) -> float:
         """Exponent of the slowest decay of transfers [m]: they fall like exp(-k width)."""
-        if self.on_top:
-            return strip(self.stack)
         above = range(self.interfaces[0] + 1)
         return float(sum(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in above))
 
@@ -103,6 +100,8 @@ class Electrode:
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
         """Wavenumbers [1/m], weights (k,), and rows of charge and sigma_yy for distances up to `reach` [m]."""
+        if self.on_top:
+            raise StackError("patch_size: of the electrode on top; must be absent: a layer of metal on top has patches")
         if reach > _FARTHEST * self.width:
             farthest = _FARTHEST * self.width / self.stack.top.thickness
             raise FarError(f"the patch reaches farther from the contact than is resolved, {farthest:.3g} times that")
@@ -110,12 +109,7 @@ class Electrode:
         return k, weights, self.rows(k)
 
     def rows(self, k: Array) -> Array:
-        """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack.
-
-        On top :attr:`local` is left out, and sigma_yy is 0.
-        """
-        if self.on_top:
-            return np.stack([beyond_local(self.stack, k), np.zeros((k.size, 4))], 1)
+        """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack."""
         layers = waves(self.stack, k)
         t: ComplexArray = np.tile(np.eye(4) + 0j, (k.size, 1, 1))
         out, last = np.zeros((k.size, 2, 4)), len(self.stack.layers) - 1
@@ -135,11 +129,6 @@ class Electrode:
             if number == self.interfaces[-1]:
                 break
         return out
-
-    @property
-    def local(self) -> Array:
-        """Charge on top per traction at its own place (of i sigma_xy: its Hilbert transform), else 0; (4,)."""
-        return local(self.stack) if self.on_top else np.zeros(4)
 
     @cached_property
     def whole(self) -> Array:

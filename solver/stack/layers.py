@@ -96,8 +96,6 @@ class Stack:
         At least one.
     base
         ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below, or its name.
-    speed
-        Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
     electroded
         Whether the surface is a grounded electrode without stiffness, which the punch then presses.
 
@@ -121,7 +119,6 @@ class Stack:
 
     layers: Sequence[Layer]
     base: Material | str = RIGID
-    speed: float = 0.0
     electroded: bool = False
 
     def __post_init__(self) -> None:
@@ -202,7 +199,7 @@ class Stack:
     @cached_property
     def media(self) -> tuple[Medium, ...]:
         """The layers' materials in the units of the stack."""
-        return tuple(Medium(layer.material, self.scale, self.speed) for layer in self.layers)
+        return tuple(Medium(layer.material, self.scale) for layer in self.layers)
 
     @cached_property
     def base_medium(self) -> Medium | None:
@@ -213,7 +210,7 @@ class Stack:
         if base.conductor and 3 in self.grounded[-1] and not (base.f31 or base.f33 or base.f15):
             vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability has no part, not by a bit
             base = replace(base, mu11=vacuum, mu33=vacuum)
-        return Medium(base, self.scale, self.speed)
+        return Medium(base, self.scale)
 
 
 def _metres(thickness: str) -> float:

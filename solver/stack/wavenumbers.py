@@ -1,10 +1,9 @@
 """Nodes and weights in the wavenumber k for what a stack adds to its top's half-plane (films, section 3)."""
 
-from functools import cache
-
 import numpy as np
 from scipy.special import erfc
 
+from approximation.chebyshev import legendre_rule
 from solver.arrays import Array
 from solver.stack.layers import Stack
 
@@ -37,7 +36,7 @@ def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
     for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
         parts = int(np.ceil((end - start) * reach / _PHASE))
         half = (end - start) / max(parts, 1) / 2
-        x, w = _gauss(_WAVE_NODES + int(2 * half * reach / 3.2))
+        x, w = legendre_rule(_WAVE_NODES + int(2 * half * reach / 3.2))
         middles = start + half * (2 * np.arange(max(parts, 1)) + 1)
         nodes.append((middles[:, None] + half * x).ravel())
         weights.append(np.tile(half * w, middles.size))
@@ -71,8 +70,3 @@ def panels(stack: Stack, width: float) -> Array:
         ends.append(ends[-1] * _GROWTH)
     ends[-1] = DECAYED / width
     return np.array(ends)
-
-
-@cache
-def _gauss(count: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(count)

@@ -94,14 +94,7 @@ REFUSED: dict[str, Case] = {
     "base: beside a body": ON_STACK | {"base": "steel"},
     "contact: wider than the resolved range, ": ON_STACK | {"body": Stack([Layer(BTO, 1e-9)])},
     # speeds
-    "speed: 5000 m/s is not below the first critical speed of the film, 2758.22 m/s": FILM | {"speed": 5e3},
-    "speed: 2900 m/s is not below the first critical speed of the film, 2": FILM | {"base": "steel", "speed": 2900.0},
-    "speed: 900 m/s is not below the first critical speed of the film, 745.3": FILM | {
-        "base": "polyimide", "speed": 900.0
-    },
-    "speed: base: rho: missing; a speed needs": FILM | {
-        "base": "", "base_modulus": 1e11, "base_poisson": 0.3, "speed": 1.0
-    },
+    "speed: 1 m/s of what is no half-plane without air": FILM | {"speed": 1.0},
     # what is beside the contact
     "surroundings: 'water' is not one of insulated, air": LINE | {"surroundings": "water"},
     "surroundings: 'air' is not allowed: the punch conducts no field": LINE | AIR | {
@@ -117,7 +110,7 @@ REFUSED: dict[str, Case] = {
     },
     "speed: 3000 m/s is not below the limiting speed 2903.13 m/s": LINE | {"material": "steel", "speed": [0.0, 3e3]},
     "speed: needs the density rho": LINE | {"material": solver.Material.isotropic(2e11, 0.3), "speed": 1.0},
-    "speed: 10000 m/s is not below the limiting speed": LINE | AIR | {"speed": 1e4},
+    "speed: 100 m/s of what is no half-plane without air": LINE | AIR | {"speed": 100.0},
     "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
@@ -142,9 +135,7 @@ REFUSED: dict[str, Case] = {
     },
     # electrodes
     "collector: 3 is not one of the 2 electrodes of": BALL | BARE | READ | {"collector": 3},
-    "friction: of a point contact on patches of the electrode on top; must be 0": PATCH | {
-        "friction": 0.1, "electrode": "top", "electric": "insulating"
-    },
+    "patch_size: of the electrode on top; must be absent": PATCH | {"electrode": "top", "electric": "insulating"},
     "electrode_voltage: below a punch that conducts on a bare surface": BALL | BARE | READ | {"electrode_voltage": 3.0},
     "collector: missing; electrode_voltage needs it": ON_FILM | {"electrode_voltage": 3.0},
     "collector: 1.5 is not a whole number >= 1 [1]": BALL | BARE | READ | {"collector": 1.5},
@@ -211,11 +202,7 @@ SINGLE: list[tuple[str, str, Case]] = [
     ("radius: 0 is not", "", LINE | {"radius": xr.DataArray([[0.1, 0.2], [0.3, 0.0]], dims=("a", "b"))}),
     ("volume_fraction: 1.5 is not", "", MIXED | {"volume_fraction": [0.0, 1.0, 1.5]}),
     # names
-    ("Load: unknown factor", "did you mean 'load'", LINE | {"Load": 0.3}),
-    ("materal: unknown factor", "did you mean 'material'", LINE | {"materal": 0.3}),
-    ("fraction: unknown factor", "did you mean 'friction'", LINE | {"fraction": 0.3}),
     ("xyz: unknown factor", "known are", LINE | {"xyz": 0.3}),
-    ("material: 'BaTio3' is unknown", "did you mean 'BaTiO3'", LINE | {"material": "BaTio3"}),
     ("material: 'stel' is unknown", "did you mean 'steel'", LINE | {"material": ["BaTiO3", "stel"]}),
     *(("material: ", str(value), LINE | {"material": value}) for value in (3, None, 2.5)),
     *((f"{name}: '{word}' is not one of", "", MIXED | {name: word}) for name in CHOSEN for word in ("fibros", "")),
@@ -224,7 +211,6 @@ SINGLE: list[tuple[str, str, Case]] = [
     # what must be given, what may not be together
     ("material: missing", "volume_fraction", {"radius": 0.05, "load": 1e5}),
     ("volume_fraction", "", {"radius": 0.05, "load": 1e5, "composite": "laminate"}),
-    ("material: ", "not both", LINE | {"composite": "fibrous"}),
     ("factors: ", "case", LINE | {"load": TWO, "radius": THREE}),
     ("factors: ", "case", LINE | {"load": TWO.assign_coords(case=[0, 1]), "radius": TWO.assign_coords(case=[0, 2])}),
     ("", "position", LINE | {"load": xr.DataArray([1e4, 1e5, 1e6], dims="position")}),
@@ -240,7 +226,6 @@ SINGLE: list[tuple[str, str, Case]] = [
         for value in (np.nan, -np.inf)
     ),
     *((f"{name}: ", "is not", LINE | {name: value}) for name in OPTIONAL for value in ("half", "", {"a": 1})),
-    *(("speed: ", f"{value}", LINE | {"speed": value}) for value in (np.nan, np.inf, "fast")),
     # the limits of floating point
     *(("", "", LINE | {name: 1e-320}) for name in ("radius", "load", "datum")),
     *(("", "", LINE | {name: 1e300}) for name in ("friction", "charge", "magnetic_charge")),
