@@ -21,14 +21,16 @@ faults/ slurm/ cloud/ storage/test_netcdf.py
 test_benchmarks.py test_docs.py test_examples.py test_machine.py test_numbers.py test_public_names.py test_recipes.py
 test_tutorials.py
 solver/face/test_air.py solver/face/test_films.py solver/face/test_own_base.py solver/face/test_scans.py
+solver/face/test_surface.py
 solver/gap/ solver/halfplane/test_interior.py solver/halfplane/test_precise.py solver/heat/ solver/line/ solver/point/
 solver/surface/ solver/test_contract.py solver/test_curves.py
 surrogate/face/test_persistence.py surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/
 surrogate/test_contract.py surrogate/transforms/curves/ surrogate/use/
 verification/
 workflow/calculator/test_calculated.py workflow/cli/test_learn.py workflow/dataset/ workflow/design/
-workflow/device/test_signal.py workflow/learning/ workflow/report/test_figures.py workflow/report/test_films.py
-workflow/report/test_firstscreen.py workflow/study/test_categories.py workflow/study/test_grouped.py
+workflow/device/ workflow/learning/ workflow/measured/ workflow/report/test_contact_maps.py
+workflow/report/test_figures.py workflow/report/test_films.py workflow/report/test_firstscreen.py
+workflow/study/test_categories.py workflow/study/test_grouped.py
 workflow/study/test_layered.py workflow/study/test_points.py workflow/study/test_surroundings.py
 workflow/test_surroundings.py
 """
@@ -43,8 +45,9 @@ def sample(cases: Sequence[frozenset[tuple[str, object]]], count: int) -> set[in
     """Positions of a few cases of a product: each adds the most values that none before it has."""
     seen: set[tuple[str, object]] = set()
     taken: set[int] = set()
+    spread = [k * len(cases) // count for k in range(count)]  # of cases that add as much, those far from one another
     while len(taken) < min(count, len(cases)):
-        k = max(set(range(len(cases))) - taken, key=lambda k: (len(cases[k] - seen), -k))
+        k = max(set(range(len(cases))) - taken, key=lambda k: (len(cases[k] - seen), k in spread, -k))
         taken.add(k)
         seen |= cases[k]
     return taken

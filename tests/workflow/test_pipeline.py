@@ -149,7 +149,7 @@ def test_edits_rerun_what_depends_on_them(again: Project) -> None:
 
 
 def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
-    """A design, and a job with its Python; figures: run/test_standin.py; other files: faults/test_together.py."""
+    """A design, and a job with its Python; other files: faults/test_together.py."""
     names = [f"results/small/{name}" for name in ("sensitivity.nc", "design/sensor.nc", "design.csv")]
     for name in names:
         (again.folder / name).unlink()

@@ -23,7 +23,8 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
     points = {name: cases[name] for name in study.factors}
     X = np.stack([array.values for array in points.values()], -1)
     plain = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": False})})
-    solved, timed = points, seconds
+    solved = points
+    timed: Callable[[Callable[[], object]], float] = seconds
     if study.kind.space:
         solved, timed = {name: values[:_IN_SPACE] for name, values in points.items()}, _once
     elif study.kind.tabled:
