@@ -43,9 +43,7 @@ class OnFilm(Body):
         if reading is None:
             return self._of_groups(lambda films, _: quantities(films))
         return self._of_groups(
-            lambda films, places: reading.part(places).driven(
-                quantities(films) | electrode_quantities(films, reading.part(places))
-            )
+            lambda films, places: quantities(films) | electrode_quantities(films, reading.part(places))
         )
 
     def peaks(self, requested: Set[str]) -> dict[str, Array]:

@@ -25,7 +25,6 @@ _CHARGES_AT_ONCE = 200_000  # transforms of cases at wavenumbers held at once
 
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
     """Requested electrode and strip quantities of `solver.names`, SI; (case,)."""
-    reading.refused(conducts=films.kind.conducts[0])
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window, contact in films.parts:
         part = reading.part(places)

@@ -34,7 +34,6 @@ _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once:
 
 def electrode_quantities(contact: PointContact, film: Film, reading: Reading) -> dict[str, Array]:
     """Requested quantities of ``solver.names.ELECTRODE_QUANTITIES``, SI; (case,) each."""
-    reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, table, _ in film.windows(contact.radius):
         part, extent = reading.part(places), (contact.radius / film.thickness)[places]

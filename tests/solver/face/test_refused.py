@@ -136,8 +136,6 @@ REFUSED: dict[str, Case] = {
     # electrodes
     "collector: 3 is not one of the 2 electrodes of": BALL | BARE | READ | {"collector": 3},
     "patch_size: of the electrode on top; must be absent": PATCH | {"electrode": "top", "electric": "insulating"},
-    "electrode_voltage: below a punch that conducts on a bare surface": BALL | BARE | READ | {"electrode_voltage": 3.0},
-    "collector: missing; electrode_voltage needs it": ON_FILM | {"electrode_voltage": 3.0},
     "collector: 1.5 is not a whole number >= 1 [1]": BALL | BARE | READ | {"collector": 1.5},
     "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour": PATCH | {"patch_pitch": 9e-4},
     "patch_size: 1e+04 thicknesses of the top layer; the patch reaches farther ": PATCH | {"patch_size": 1.0},
