@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import find, solve
+from solver import Layer, Stack, find, solve
 from solver.body import kind_of
+from solver.names import BODY
 from solver.surface import response as surface
 from solver.surface.contact import solve_contact
 from solver.surface.shape import Roller, RoughSphere, sphere
@@ -292,6 +293,14 @@ def test_a_change_everywhere_charges_an_electrode_without_end_without_limit() ->
     pad = effects(read | {"patch_size": 1e-3})["heat"]
     kelvin = abs(float(solve(read | {"patch_size": 1e-3})["patch_charge_per_force"])) * 0.2 / (539e-6 * np.pi * 0.25e-6)
     assert f"; of the whole body {shown(kelvin, 'K', 2)} equal the signal." in pad.left_out_words
+
+
+def test_heat_that_has_not_arrived_is_less_than_a_share() -> None:
+    film = Stack([Layer("PDMS", 10e-3, "grounded"), Layer("PVDF", 50e-6)], "FR4")
+    read = {"profile": "sphere", "radius": 0.01, "force": 0.05, "punch": "skin", "electric": "insulating"}
+    read |= {BODY: film, "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
+    words = effects(read)["heat"].left_out_words
+    assert words.startswith("Heat is less than 1×10⁻⁴ % of the signal for 1 K in 1 s; of the whole body ")
 
 
 def test_a_base_that_bends_and_a_pad_that_ends() -> None:
