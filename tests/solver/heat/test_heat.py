@@ -127,7 +127,7 @@ def test_a_patch_below_a_cover_collects_as_axisymmetric_volumes_say(radius: floa
         assert warmed.over(patch) == pytest.approx(volumes, rel=RINGS), distance
 
 
-HALF, RADIUS, FILM_GAP = 36e-6, 0.02, 9.3e-8  # the ball of the quickstart on its film: m
+HALF, RADIUS, FILM_GAP = 36e-6, 0.02, 9.3e-8  # a ball on a film, as in docs/heat.md: m
 
 
 def height(r: Any) -> Any:
