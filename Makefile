@@ -19,7 +19,7 @@ run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run
 
 # types take one core for a minute where nothing is cached: beside the tests
 check: .venv/dev.stamp  ## linters, types, import contracts and the tests of moments; two minutes on two cores, three and a half where no types are cached
-	@$(MAKE) --no-print-directory --jobs=2 lint tests LAYERS='-m "unit and not soak"'
+	@$(MAKE) --no-print-directory --jobs=2 lint tests LAYERS='-m "not slow and not soak"'
 
 test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; eight minutes on two fast cores, thirteen on slow ones
 	@$(MAKE) --no-print-directory --jobs=2 lint tests
@@ -38,10 +38,21 @@ coverage: .venv/dev.stamp .venv/referees.stamp  ## lines and branches that the t
 
 soak: .venv/dev.stamp  ## a hundred kills, ten thousand hostile files, every check of scikit-learn, every case of a sampled product, every kernel; takes an hour on two cores
 	MEECONTACT_SOAK=1 $(BIN)/python -m pytest -n auto --dist worksteal -m "soak or soakable"
-	$(BIN)/python -m tests.kernels soak
+	@$(MAKE) --no-print-directory kernels THREADS=1 ROOMS="$(DIGITS)" LAYERS='-m "not slurm and not cloud"'
+	@$(MAKE) --no-print-directory kernels THREADS=2 ROOMS="$(DIGITS)" LAYERS='-m "not slurm and not cloud"'
 
+# where digits matter: a few files, and for the soak whole rooms
+ROOMS = tests/workflow/design/test_polish.py tests/workflow/study/test_categories.py tests/surrogate/search tests/test_examples.py
+DIGITS = tests/surrogate tests/workflow/design tests/workflow/study tests/test_examples.py
+THREADS = 1
 kernels: .venv/dev.stamp  ## the rooms where digits matter, under every OpenBLAS kernel of this processor
-	$(BIN)/python -m tests.kernels
+	@for kernel in Haswell SkylakeX Zen Nehalem; do \
+	  export OPENBLAS_CORETYPE=$$kernel OMP_NUM_THREADS=$(THREADS); \
+	  if $(BIN)/python -c 'import numpy; numpy.linalg.cholesky(numpy.eye(64) @ numpy.eye(64))' 2>/dev/null; then \
+	    echo "$$kernel, threads: $(THREADS)"; \
+	    $(BIN)/python -m pytest -n auto $(LAYERS) $(ROOMS) || exit 1; \
+	  else echo "$$kernel: not run, as this processor lacks it"; fi; \
+	done
 
 slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compared byte for byte with a local run
 	$(BIN)/python -m pytest -m slurm tests/slurm

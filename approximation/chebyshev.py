@@ -1,8 +1,9 @@
-"""Chebyshev points of the first kind, and the polynomials through values at them.
+"""Chebyshev points of the first kind, the polynomials through values at them, and Gauss-Legendre rules.
 
 Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), chapters 2 to 4.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,12 @@ def gauss_points(count: int) -> Array:
         raise ValueError(f"a number of Chebyshev points must be a whole number >= 1, got {count!r}")
     # equal shares of a right angle are equal numbers: those of n are among those of 3 n, to the last bit
     return np.asarray(np.sin(np.pi / 2 * (np.arange(1 - int(count), int(count), 2) / count)))
+
+
+@cache
+def legendre_rule(count: int) -> tuple[Array, Array]:
+    """Return nodes and weights of the Gauss-Legendre rule on [-1, 1]; (count,) each."""
+    return np.polynomial.legendre.leggauss(count)
 
 
 def mapped_points(count: int, start: float, end: float) -> Array:

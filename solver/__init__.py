@@ -15,13 +15,11 @@ if TYPE_CHECKING:
     from solver.material.composite import fibrous, laminate
     from solver.material.constants import Material, MaterialError
     from solver.material.library import find, materials
-    from solver.stack.grading import Graded
     from solver.stack.layers import Layer, Stack
 
 __all__ = [
     "CaseError",
     "FactorError",
-    "Graded",
     "Layer",
     "Material",
     "MaterialError",
@@ -46,7 +44,6 @@ __all__ = [
 _MODULES = {
     "CaseError": "face.refusal",
     "FactorError": "face.refusal",
-    "Graded": "stack.grading",
     "Layer": "stack.layers",
     "Material": "material.constants",
     "MaterialError": "material.constants",

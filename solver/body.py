@@ -247,7 +247,7 @@ def is_cut(material: object) -> bool:
     """Return whether a material, a built-in one's name or a stack is a crystal that only contacts in space take."""
     if isinstance(material, Stack):
         base = [] if isinstance(material.base, str) else [material.base]
-        return any(map(is_cut, [*(layer.material for layer in material.layers if not layer.graded), *base]))
+        return any(map(is_cut, [*(layer.material for layer in material.layers), *base]))
     return not material.axial if isinstance(material, Material) else isinstance(material, str) and _named_cut(material)
 
 
@@ -277,8 +277,6 @@ def airless(case: Mapping[str, object]) -> str:
         return f"no narrow gap with an end lies beside its punch ({profile})"
     body = case.get(BODY)
     stack = body if isinstance(body, Stack) else None
-    if {"grading_exponent", "base_volume_fraction"} & case.keys() or (stack and stack.top.graded):
-        return "its film is graded"
     sideways = of("interface_magnetic") == "insulated" or (stack and stack.insulated)
     if sideways and of("magnetic") == "conducting":
         return "flux leaves its film sideways without end, for its base is magnetically insulated"

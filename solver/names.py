@@ -54,7 +54,6 @@ FACTORS: dict[str, Factor] = {
     ),
     "grading_exponent": Factor("1", "exponent of a graded film's depth", None, 1.0, optional=True),
     "collector": Factor("1", "number of the electrode that is read, from the top", None, 1.0),
-    "electrode_voltage": Factor("V", "of the whole electrode that is read, all others at zero", None),
     "patch_size": positive("m", "of the patch along x: diameter of a disc, width of a strip"),
     "patch_position": Factor("m", "of the patch's middle from that of the contact", 0.0),
     "patch_pitch": positive("m", "distance of the middles of neighbouring patches"),
@@ -125,7 +124,6 @@ CHOICES: dict[str, tuple[str, ...]] = {
 OF_AN_ELECTRODE = (
     "electrode",
     "collector",
-    "electrode_voltage",
     "patch",
     "patch_size",
     "patch_position",

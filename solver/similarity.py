@@ -46,7 +46,6 @@ FACTOR_WEIGHTS: dict[str, Weight] = {
     "patch_size": _LENGTH,
     "patch_position": _LENGTH,
     "patch_pitch": _LENGTH,
-    "electrode_voltage": _FORCE,
 }
 
 _CHANGING: dict[Weight, tuple[str, ...]] = {

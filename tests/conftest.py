@@ -4,13 +4,11 @@ A worker takes a whole file at a time, and all the files that look at the same r
 would do this by marks, but pytest-xdist 3.8 loses them under pytest 9.2.
 """
 
-import contextlib
 import functools
 import os
 import re
 import sys
-from collections import Counter
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +35,10 @@ model.SILENCE = 3600.0  # a study's check on a busy machine prints no line that 
 # long; tests/faults/test_hostile.py tries both ways
 quarantine._has_one_thread = lambda: True
 
-#: Session fixtures that run a pipeline: one worker takes all files that use the same one.
-RUNS = ("ran", "undisturbed", "quickstart_run")
-
 #: The longest groups begin first.
 LONGEST = (
     "tests/faults/test_hostile.py",  # it bounds the memory of its process, which no other test may have used
-    *RUNS,
+    *layers.RUNS,
     "tests/test_tutorials.py",
     "tests/verification/test_verification.py",
     "tests/workflow/design/test_costly.py",
@@ -56,7 +51,7 @@ LONGEST = (
 def group(file: str) -> str:
     """Return the run that a file uses, else the file itself."""
     text = (ROOT / file).read_text(encoding="utf-8")
-    return next((run for run in RUNS if re.search(rf"\b{run}: Project\b", text)), file)
+    return next((run for run in layers.RUNS if re.search(rf"\b{run}: Project\b", text)), file)
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
@@ -74,39 +69,23 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Import no file of another layer where only the layer ``unit`` runs."""
+    """Import no slow file for `make check`."""
     file = collection_path.relative_to(config.rootpath).as_posix()
-    units = config.option.markexpr.startswith("unit")
-    return True if units and file.endswith(".py") and layers.layer(file, (), ()) != "unit" else None
+    return True if config.option.markexpr.startswith("not slow") and layers.slow(file) else None
 
 
 @pytest.hookimpl(tryfirst=True)  # before marks select
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark each test with its layer, and bring the longest groups to the front."""
+    """Mark slow tests and those that lack a program, and bring the longest groups to the front."""
     layers.leave_to_soak(items)
     for item in items:
         names = {name for mark in item.iter_markers("needs") for name in mark.args}
         if reason := programs.missing(sorted(names)):
             item.add_marker(pytest.mark.skip(reason=reason))
-        fixtures = set(getattr(item, "fixturenames", ()))
-        item.add_marker(layers.layer(item.location[0], [mark.name for mark in item.iter_markers()], fixtures))
+        if layers.slow(item.location[0], getattr(item, "fixturenames", ())):
+            item.add_marker("slow")
     order = [*LONGEST, ""]
     items.sort(key=lambda item: order.index(name if (name := group(item.location[0])) in LONGEST else ""))
-
-
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """End with one line on the tests that were skipped, and on the packages that they need."""
-    reports = terminalreporter.stats.get("skipped", [])
-    counts = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in reports)
-    parts = [f"{count} test{'s' * (count > 1)}: {reason}" for reason, count in counts.items()]
-    terminalreporter.write_line(f"not run: {'; '.join(parts)}" if parts else "nothing was left out")
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, Any, Any]:
-    """Let no test of the layer ``unit`` start a program."""
-    with layers.without_programs() if item.get_closest_marker("unit") else contextlib.nullcontext():
-        return (yield)
 
 
 @pytest.fixture(autouse=True)

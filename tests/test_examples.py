@@ -69,7 +69,7 @@ SAID = {
     "film_on_steel.py": "charge per load of 0.5 mm over that of the half-plane: 0.6879",
     "film_pressure.py": "largest pressure [MPa]: 316.8, 383.1, 647.3",
     "film_voltage.py": "rigid: most charge, 47.66 pC/N, at 0.22 mm",
-    "graded_film.py": "20% to 80%: largest pressure 386.9 MPa, 40.41 pC/N",
+    "graded_film.py": "20% to 80%: largest pressure 385.1 MPa, 40.46 pC/N",
     "half_plane.py": "half-width 166.1 um, 1.000000000000 times that of Hertz",
     "intervals.py": "95% intervals hold a share of 0.97 of 3,000 fresh cases",
     "inversion.py": "load: 2e+04 [1.996e+04, 2.004e+04], true 20000",

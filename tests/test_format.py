@@ -109,7 +109,7 @@ def test_the_reader_refuses_other_kernels_and_points_outside(tmp_path: Path, fil
     assert "x is from 1 to 4" in read_by_node(files["root"], [{"x": 5.0}]).stderr
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_the_reader_refuses_a_broken_file_in_one_line(tmp_path: Path, files: dict[str, Path]) -> None:
     raw = files["root"].read_bytes()
     broken = {name: tmp_path / f"{name}.nc" for name in ("cut", "flipped", "changed", "missing")}

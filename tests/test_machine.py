@@ -1,4 +1,4 @@
-"""One thread a process, and the same digits on every kernel: how commands and jobs share a machine."""
+"""How commands, jobs and installations share a machine: one thread a process, one installation at a time."""
 
 import os
 import shutil
@@ -8,15 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests import kernels
 from workflow.run.provenance import ROOT
-
-pytestmark = pytest.mark.process
-
-
-def test_kernels_of_this_processor_are_found_for_rooms_that_exist() -> None:
-    assert all((ROOT / room).exists() for room in (*kernels.QUICK, *kernels.ALL))
-    assert set() < {*kernels.distinct()} <= {*kernels.KERNELS}
 
 
 def test_the_command_takes_one_thread_and_so_does_every_job() -> None:

@@ -1,7 +1,7 @@
 """Commands as forks of one process a worker that has imported what they need (`tests/preloaded.py`).
 
-Runs of an installed program and of designs (test_pipeline) stay as users start them, and those that `make soak` kills:
-their bytes are compared with these.
+Runs of an installed program and of designs (test_pipeline) stay as users start them, and one that `make soak` compares
+with runs that are killed.
 """
 
 import atexit
@@ -18,6 +18,7 @@ import tempfile
 import warnings
 from collections.abc import Sequence
 from multiprocessing import forkserver, get_context
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
@@ -98,32 +99,14 @@ def _execute(
         atexit._run_exitfuncs()  # multiprocessing leaves them out
 
 
-class Running:
-    """A command that runs, of which `poll`, `wait` and `kill` are those of `subprocess.Popen`."""
-
-    def __init__(
-        self, command: Sequence[str], folder: Path, packages: Path, streams: Sequence[str | Path], bound: bool = False
-    ) -> None:
-        arguments = list(command), str(folder), str(packages), dict(os.environ), [*map(str, streams)], bound
-        self._process = context().Process(target=_execute, args=arguments)
-        self._process.start()
-        self.pid: int = self._process.pid
-        self.kill = self._process.kill
-
-    @property
-    def returncode(self) -> int | None:
-        """Exit status of a command that has ended."""
-        status: int | None = self._process.exitcode
-        return status
-
-    def poll(self) -> int | None:
-        """Return the exit status of a command that has ended."""
-        return self.returncode
-
-    def wait(self) -> int:
-        """Wait for the end; return the exit status."""
-        self._process.join()
-        return int(self._process.exitcode)
+def start(
+    command: Sequence[str], folder: Path, packages: Path, streams: Sequence[str | Path], bound: bool = False
+) -> BaseProcess:
+    """Start a command whose standard streams are files; permissions bind root if `bound`."""
+    arguments = list(command), str(folder), str(packages), dict(os.environ), [*map(str, streams)], bound
+    process: BaseProcess = context().Process(target=_execute, args=arguments)
+    process.start()
+    return process
 
 
 def run(
@@ -132,9 +115,10 @@ def run(
     """Run a command as `subprocess.run` would; permissions bind root if `bound`."""
     with tempfile.TemporaryDirectory() as name:
         streams = [Path(name, stream) for stream in ("out", "err")]
-        status = Running(command, folder, packages, [os.devnull, *streams], bound).wait()
+        process = start(command, folder, packages, [os.devnull, *streams], bound)
+        process.join()
         out, error = (stream.read_text(encoding="utf-8") for stream in streams)
-    return subprocess.CompletedProcess(list(command), status, out, error)
+    return subprocess.CompletedProcess(list(command), process.exitcode or 0, out, error)
 
 
 def printed(line: str) -> str:

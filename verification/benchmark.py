@@ -14,29 +14,34 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import brentq
+from scipy.optimize import brentq, root
 
 import solver
-from solver.names import FACTORS, POINT_QUANTITIES, QUANTITIES
+from solver.names import ALL_QUANTITIES, FACTORS
+from solver.surface.response import NORMAL, PHI, SurfaceBody
 from verification import film_air, integral_equations
-from verification.cases import CHARGED, SIH_SONG, Case, constants, half_length
+from verification.cases import CHARGED, SIH_SONG, Array, Case, constants, half_length
 from verification.film_elements import Compared, Solved
-from verification.oracles import collocation, point, precise
-from verification.oracles.fem_film import ELECTRIC, MAGNETIC, Layer
+from verification.oracles import collocation, point, precise, surface
+from verification.oracles.fem_film import ELECTRIC, MAGNETIC, FilmContact, Layer, Punch
 from verification.oracles.fem_point import PointContact
+from verification.oracles.sample_materials import hexagonal, lithium_niobate, quartz
 from verification.oracles.surface_response import surface_response
 
 COLUMNS = ("problem", "quantity", "units", "value", "digits", "first", "second")
 #: Digits that are printed, and that an agreement counts to.
 MOST_DIGITS, COUNTED = 10, 12
-#: Orders of the finite elements: of layers under lines, with air, and under balls.
-LINE_ORDER, AIR_ORDER, POINT_ORDER = 16, 10, 14
+#: Orders of the finite elements: of layers under lines, with air, above an electrode, and under balls.
+LINE_ORDER, AIR_ORDER, ELECTRODE_ORDER, POINT_ORDER = 16, 10, 12, 14
+#: Harmonics of nested punches, and how far the charge in the air is counted, in semi-axes.
+HARMONICS, REACH = 4, 200.0
 #: Terms of the collocation of integral equations.
 TERMS = 12
 
 _CLOSED, _GALERKIN = "closed form", "integral equations in Fourier space"
 _DIGITS, _COLLOCATED = "50 digits", "collocation of singular integral equations"
 _ELEMENTS, _SERIES = "spectral finite elements", "Fredholm equation of a bonded elastic layer"
+_GRID, _NESTED, _POLYNOMIAL = "grid of cells", "nested elliptical punches", "polynomials on an ellipse"
 _LINE: Case = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "radius": 0.05} | {
     "surroundings": "insulated", "magnetic": "insulating", "charge": 1e-6,
 }  # fmt: skip
@@ -91,7 +96,7 @@ class Problem:
 
 def units(quantity: str) -> str:
     """Return the units of a factor or quantity of the solver."""
-    return next(names[quantity].units for names in (QUANTITIES, POINT_QUANTITIES, FACTORS) if quantity in names)
+    return next(names[quantity].units for names in (ALL_QUANTITIES, FACTORS) if quantity in names)
 
 
 def _paired(first: Answers, second: Answers, names: Sequence[str]) -> list[Number]:
@@ -174,6 +179,41 @@ def air() -> list[Number]:
     return [Number("load", float(case["load"]), contact.load), ends, voltage]
 
 
+def strips() -> list[Number]:
+    """Strips of the electrode between a cover and a film, under an insulating cylinder that slides."""
+    cover, film, base = solver.find("glass"), solver.find("PZT-4"), solver.find("silicon")
+    thin, thick, half, size, place, pitch = 1e-4, 2e-4, 2e-4, 2e-4, 5e-5, 3e-4
+    case: Case = {
+        "body": solver.Stack([solver.Layer(cover, thin, "grounded"), solver.Layer(film, thick, "grounded")], base),
+        "radius": 0.05, "friction": 0.3, "surroundings": "insulated", "electric": "insulating",
+        "magnetic": "insulating", "collector": 1, "patch_size": size, "patch_position": place, "patch_pitch": pitch,
+    }  # fmt: skip
+    case["load"] = _pressed(case, "load", half)
+    layers = [Layer(constants(cover), thin), Layer(constants(film), thick)]
+    punch = Punch(case["radius"], case["friction"], conducted=())
+    other = FilmContact(layers, constants(base), punch, half, ELECTRODE_ORDER)
+    x, weights = np.polynomial.legendre.leggauss(40)
+
+    def strip(middle: float) -> float:
+        """Charge of a strip per load: the jump of D_y over the electrode."""
+        above, below = (
+            other.fields((middle + size / 2 * x) / half, thin, layer)["electric_displacement_y"] for layer in (0, 1)
+        )
+        return float(weights @ (above - below) * size / 2 / other.load)
+
+    answers = {
+        "load": other.load,
+        "contact_trailing": other.half_length + other.centre,
+        "electrode_pressure": -float(other.fields([0.0], thin)["stress_yy"][0]),
+        "patch_charge_per_force": strip(place),
+    }
+    solved = solver.solve(case).assign(load=case["load"])
+    return [
+        *_paired(solved, answers, list(answers)),
+        Number("crosstalk", float(solved["crosstalk"]), strip(pitch) / strip(0.0)),
+    ]
+
+
 def ball() -> list[Number]:
     """A charged ball on a magneto-electro-elastic half-space."""
     charges = {"total_charge": 3e-10, "total_flux": -2e-8}
@@ -217,6 +257,91 @@ def disc() -> list[Number]:
     return [Number("contact_stiffness", stiffness, half_space * hayes(poisson, width / 2 / h))]
 
 
+def grounded(case: Case, body: surface.Body, curvatures: tuple[float, float], **air: float) -> list[Number]:
+    """A punch at zero volts in space."""
+    state = surface.Press(body, curvatures, case["force"], harmonics=HARMONICS, **air).contact()
+    fine = case | {"magnetic": "insulating", "grid_error": 2e-4}
+    charge = float(solver.solve(fine)["charge_per_force"])
+    depth = float(solver.solve(fine | {"total_charge": charge * case["force"]})["depth"])
+    return [
+        Number("charge_per_force", charge, state.charge / case["force"]),
+        Number("depth", depth, state.depth),
+    ]
+
+
+def ellipsoid_on_film() -> list[Number]:
+    """A grounded ellipsoid on a film, D_z = 0 outside the contact."""
+    case = _FILM | {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 20e-3, "force": 4.0}
+    body = surface.body(hexagonal(constants(solver.find("PZT-4"))), thickness=case["thickness"])
+    return grounded(case, body, (1 / case["radius_x"], 1 / case["radius_y"]))
+
+
+def ball_on_niobate(cut: str, angle: float | None) -> list[Number]:
+    """A grounded ball on a cut of lithium niobate in air."""
+    case: Case = {"material": f"{cut} LiNbO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+    curvature = 1 / case["radius"]
+    return grounded(case, surface.body(lithium_niobate(angle)), (curvature, curvature), reach=REACH, end=case["radius"])
+
+
+def ellipsoid_on_quartz() -> list[Number]:
+    """A grounded ellipsoid on an X cut of quartz, D_z = 0 outside the contact."""
+    curvatures, force = (200.0, 50.0), 1.0
+    state = surface.Press(surface.body(quartz()), curvatures, force, harmonics=HARMONICS).contact()
+    answers = {
+        "charge_per_force": state.charge / force,
+        "depth": state.depth,
+        "peak_pressure": state.central_pressure,
+        "contact_area": np.pi * abs(np.linalg.det(state.axes)),
+    }
+    whole = SurfaceBody((), solver.find("quartz").stiffness_tensor("X"))
+    return _paired(elliptic(whole, curvatures, force), answers, list(answers))
+
+
+def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -> dict[str, float]:
+    """A grounded punch of gap (x^2 curvatures[0] + y^2 curvatures[1])/2 on a half-space without field outside.
+
+    On the ellipse x = A xi, pressure p (1 - |xi|^2)^(1/2) and charge density (q + xi.Q xi) (1 - |xi|^2)^(-1/2) have
+    Radon transforms that are polynomials. So are displacement and potential, where the response Y to a wave is real.
+    """
+    angles = np.linspace(0.0, np.pi, 64, endpoint=False)  # Y(theta + pi) = Y(theta)
+    response = body.multiplier(np.array([np.inf]), angles)[0][:, [[NORMAL], [PHI]], [NORMAL, PHI]].real
+    normals = np.stack([np.cos(angles), np.sin(angles)])
+    quadratic = np.array([1.0, -1.0, 0.0, -1.0])  # 1 - |xi|^2 in 1, xi_1^2, xi_1 xi_2, xi_2^2
+    totals = 2 * np.pi * np.array([1.0, 1 / 3, 0.0, 1 / 3])  # integrals of these densities
+
+    def fields(shape: Array) -> tuple[Array, float, Array, Array, Array]:
+        """A, peak pressure, density of D_z, and polynomials of u_z and of the gap between the punch and its apex."""
+        axes = shape[[[0, 2], [2, 1]]]
+        width = np.hypot(*(axes.T @ normals))
+        c, s = axes.T @ normals / width
+        along, across = np.stack([c**2, c * s, s**2]), np.stack([s**2, -c * s, c**2])
+        radon = np.zeros((4, 4, angles.size))  # polynomial, by density
+        radon[0, 0], radon[0, 1:] = np.pi, np.pi / 2 * across
+        radon[1:, 1:] = (along * [[1], [2], [1]])[:, None] * (np.pi * along - np.pi / 2 * across)
+        area = float(np.linalg.det(axes))
+        whole = np.einsum("pda,aij->ijpd", radon * area / width, response) / (2 * angles.size)
+        peak = 1.5 * force / np.pi / area
+        density = np.linalg.solve(whole[1, 1], whole[1, 0] @ quadratic * peak)
+        gap = axes.T @ (np.array(curvatures)[:, None] * axes) / 2
+        heights = np.array([0.0, gap[0, 0], 2 * gap[0, 1], gap[1, 1]])
+        return axes, peak, density, whole[0, 1] @ density - whole[0, 0] @ quadratic * peak, heights
+
+    def misfit(shape: Array) -> Array:
+        """Curvatures of the surface that the punch lacks, over one of them."""
+        *_, lowered, heights = fields(shape * size)
+        return np.asarray((lowered - heights)[1:] / heights[1])
+
+    size = (force * response[:, 0, 0].mean() / float(np.hypot(*curvatures))) ** (1 / 3)
+    axes, peak, density, lowered, _ = fields(root(misfit, [1.0, 1.0, 0.0], tol=1e-14).x * size)
+    area = float(np.linalg.det(axes))
+    return {
+        "charge_per_force": -area * float(totals @ density) / force,
+        "depth": -float(lowered[0]),
+        "peak_pressure": peak,
+        "contact_area": np.pi * area,
+    }
+
+
 def hayes(poisson: float, ratio: float, points: int = 80) -> float:
     """Stiffness of a disc on a bonded elastic layer over that on a half-space, at a radius of `ratio` thicknesses.
 
@@ -238,6 +363,7 @@ def hayes(poisson: float, ratio: float, points: int = 80) -> float:
 
 
 _POINT_FILM: Case = _BALL | {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "radius": 5e-3}
+_FILM: Case = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "surroundings": "insulated"}
 _ALLOY: Case = _BALL | {
     "composite": "AlScN", "scandium_fraction": 0.3, "thickness": 1e-6, "base": "silicon", "radius": 1e-4,
 }  # fmt: skip
@@ -262,6 +388,11 @@ PROBLEMS: tuple[Problem, ...] = (
         "ball-alscn-on-silicon", (_GALERKIN, _ELEMENTS), partial(ball_on_film, _ALLOY | {"total_charge": 1e-14}, 1e-6)
     ),
     Problem("disc-layer", (_GALERKIN, _SERIES), disc),
+    Problem("strips-of-electrode", (_GALERKIN, _ELEMENTS), strips),
+    Problem("ellipsoid-film", (_GRID, _NESTED), ellipsoid_on_film),
+    Problem("ellipsoid-x-quartz", (_POLYNOMIAL, _NESTED), ellipsoid_on_quartz),
+    Problem("ball-z-lithium-niobate", (_GRID, _NESTED), partial(ball_on_niobate, "Z", None)),
+    Problem("ball-36y-lithium-niobate", (_GRID, _NESTED), partial(ball_on_niobate, "36Y", 36.0)),
 )
 
 

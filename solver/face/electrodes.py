@@ -15,8 +15,7 @@ from solver.stack.electrodereading import DISC, STRIP, Reading
 
 #: Factors of an electrode, and the factor that each needs beside it.
 _NEEDS = {
-    "electrode_voltage": "collector", "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size",
-    "patch_pitch": "patch_size",
+    "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size", "patch_pitch": "patch_size",
 }  # fmt: skip
 
 
@@ -29,13 +28,11 @@ def reading_of(cases: Cases) -> Reading | None:
     def flat(name: str) -> Array:
         return np.asarray(np.broadcast_to(cases.number(name), axes).ravel(), dtype=np.float64)
 
-    size, pitch, voltage = (
-        flat(name) if name in cases.values else None for name in ("patch_size", "patch_pitch", "electrode_voltage")
-    )
+    size, pitch = (flat(name) if name in cases.values else None for name in ("patch_size", "patch_pitch"))
     usual = CHOICES["patch"][STRIP if cases.kind.contact == "line" else DISC]
     is_strip = np.asarray(cases.values.get("patch", np.array(usual))) == CHOICES["patch"][STRIP]
     shapes = np.broadcast_to(np.where(is_strip, STRIP, DISC), axes).ravel()
-    return Reading(flat("collector"), shapes, flat("patch_position"), size, pitch, voltage)
+    return Reading(flat("collector"), shapes, flat("patch_position"), size, pitch)
 
 
 def electroded(cases: Cases) -> BoolArray:

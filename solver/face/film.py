@@ -12,14 +12,12 @@ from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
-from solver.face.refusal import CaseError, FactorError
 from solver.line.electrodecharge import electrode_quantities
 from solver.line.interiorfields import interior_fields
 from solver.line.quantities import curves, peaks, quantities
 from solver.line.similar import Films
 from solver.line.surface import fields
-from solver.line.windows import Kind, critical
-from solver.material.constants import MaterialError
+from solver.line.windows import Kind
 from solver.names import FILM_PEAKS
 
 
@@ -45,9 +43,7 @@ class OnFilm(Body):
         if reading is None:
             return self._of_groups(lambda films, _: quantities(films))
         return self._of_groups(
-            lambda films, places: reading.part(places).driven(
-                quantities(films) | electrode_quantities(films, reading.part(places))
-            )
+            lambda films, places: quantities(films) | electrode_quantities(films, reading.part(places))
         )
 
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
@@ -105,7 +101,7 @@ class OnFilm(Body):
     def _grouped(self) -> Iterator[_Group]:
         """Cases by film, friction, conduction and punch, told apart at the smallest shape that these have."""
         conducts, punch = self.cases.conducts, punch_of(self.cases)
-        sliding = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1], self.cases.number("speed")]
+        sliding = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1]]
         sliding += [punch.compliance, punch.coupling, electroded(self.cases)]
         columns = [*self._bodies.columns, *sliding]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
@@ -116,7 +112,7 @@ class OnFilm(Body):
             yield _Group(np.flatnonzero(of_case == number), self._kind(row))
 
     def _kind(self, row: list[float]) -> Kind:
-        *film, friction, electric, magnetic, speed, compliance, coupling, covered = row
+        *film, friction, electric, magnetic, compliance, coupling, covered = row
         profile = self.cases.profile
         layers, base = self._bodies.film(film)
         degree = max(len(profile.slope) - 1, 1)
@@ -127,16 +123,7 @@ class OnFilm(Body):
         if covered or kind.stack().conductors[0]:  # the electrode on top has the potential, not the punch
             refuse_charge(self.cases)  # a stack refuses what its base does not have before anything is computed
             kind = replace(kind, conducts=(False, bool(magnetic)))
-        if speed > 0:
-            try:
-                limit = critical(kind)
-            except MaterialError as error:
-                raise FactorError(f"speed: {error}") from None
-            if not speed < limit:
-                raise CaseError(
-                    f"speed: {speed:g} m/s is not below the first critical speed of the film, {limit:.6g} m/s"
-                )
-        return replace(kind, speed=speed)
+        return kind
 
     def _films(self, group: _Group) -> Films:
         places, number, datum_of_punch = group.places, self.cases.number, punch_datum(self.cases)

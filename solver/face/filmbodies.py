@@ -10,12 +10,14 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
-from solver.line.powerlaw import Constants, PowerLaw, constants_of
-from solver.line.windows import Coat
+from solver.line.windows import Coat, Constants, constants_of
 from solver.material.constants import UNITS, Material
+from solver.material.laws import compose
 from solver.names import BODY, CHOICES, MIXTURES
 from solver.stack.layers import Stack
 
+#: Homogeneous layers of equal thickness that stand for a graded film.
+SUBLAYERS = 12
 _UNGRADED = -1.0
 _HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
 _INTERFACES = ("interface_electric", "interface_magnetic")
@@ -49,8 +51,8 @@ def _by_factors(cases: Cases) -> Bodies:
     mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
     exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
     columns = [
-        *_known(cases, material),
-        *(np.where(rigid, 0.0, constant) for constant in _known(cases, base)),
+        *_known(material),
+        *(np.where(rigid, 0.0, constant) for constant in _known(base)),
         rigid,
         *(_interface(cases, name) for name in _INTERFACES),
         np.where(is_graded, graded, _UNGRADED),
@@ -59,24 +61,29 @@ def _by_factors(cases: Cases) -> Bodies:
         np.where(is_graded, exponent, _UNGRADED),
     ]
     lacks = _lacking([(material, np.array(True)), (base, ~rigid)])
-    return Bodies(values["thickness"], columns, lambda row: _film(cases, row), lacks)
+    thickness = np.where(is_graded, values["thickness"] / SUBLAYERS, values["thickness"])
+    return Bodies(thickness, columns, lambda row: _film(cases, row), lacks)
 
 
 def _film(cases: Cases, row: Sequence[float]) -> Film:
     """One of the films by factors."""
     count = len(UNITS) + 1  # and whether it is a conductor
     rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
-    material: Constants | PowerLaw = _constants(row[:count])
+    materials = [_constants(row[:count])]
     if lowest != _UNGRADED:
-        first, two = (constants_of(phase) for phase in phases_of(cases))
         if kind >= len(MIXTURES):
             raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
-        material = PowerLaw(MIXTURES[int(kind)], (first, two), surface, lowest, exponent)
+        depths = (np.arange(SUBLAYERS) + 0.5) / SUBLAYERS
+        fractions = (surface + (lowest - surface) * depths**exponent).tolist()
+        phases = phases_of(cases)
+        materials = [constants_of(compose(MIXTURES[int(kind)], phases, fraction)) for fraction in fractions]
+    upper = [Coat(material, 1.0, "bonded", "bonded") for material in materials[:-1]]
     interfaces = (
         None if code < 0 else CHOICES[name][int(code)]
         for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)
     )
-    return (Coat(material, 1.0, *interfaces),), None if rigid else _constants(row[count : 2 * count])
+    base = None if rigid else _constants(row[count : 2 * count])
+    return (*upper, Coat(materials[-1], 1.0, *interfaces)), base
 
 
 def _interface(cases: Cases, name: str) -> Array:
@@ -110,7 +117,7 @@ def _over_the_top(stack: Stack) -> Film:
     return layers, None if isinstance(stack.base, str) else constants_of(stack.base)
 
 
-def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
+def half_planes(material: Material, half_length: Array) -> Bodies:
     """Half-planes as films bonded to their own material: of any thickness, which the contact is given in proportion to.
 
     All lie in the middle of one window of half-lengths, whatever their punch and load.
@@ -121,7 +128,7 @@ def half_planes(cases: Cases, material: Material, half_length: Array) -> Bodies:
         return (Coat(constants, 1.0, "bonded", "bonded"),), constants
 
     lacks = _lacking([(material, np.array(True))])
-    return Bodies(half_length / _HALF_LENGTH, _known(cases, material), film, lacks)
+    return Bodies(half_length / _HALF_LENGTH, _known(material), film, lacks)
 
 
 def refuse_charge(cases: Cases) -> None:
@@ -133,11 +140,11 @@ def refuse_charge(cases: Cases) -> None:
         )
 
 
-def _known(cases: Cases, material: Material) -> list[Array]:
+def _known(material: Material) -> list[Array]:
     """Constants by case, infinite where unknown, and conductors; the density of what rests has no part."""
-    moving = cases.number("speed") > 0
-    known = {key: np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS}
-    constants = [np.where(moving, value, np.inf) if key == "rho" else value for key, value in known.items()]
+    constants = [
+        np.array(np.inf) if key == "rho" else np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS
+    ]
     return [*constants, material.conductor.astype(np.float64)]
 
 

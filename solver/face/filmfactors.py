@@ -27,7 +27,6 @@ from solver.names import (
 from solver.stack.layers import RIGID, Stack
 
 _POINTED = [name for name, outline in PROFILES.items() if outline.contact == "point"]
-GRADED_BELOW_A_POINT = "grades a film below a point contact; only a film under a contact along a line may be graded"
 _IN_SPACE = [name for name, outline in PROFILES.items() if outline.space]
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
 
@@ -86,7 +85,10 @@ def present(arrays: Mapping[str, xr.DataArray]) -> list[Kind]:
 
 
 def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Every film has a base, every half-plane has none of a film's factors."""
+    """Every film has a base, every half-plane has none of a film's factors; what has layers or air has no speed."""
+    if "speed" in arrays:
+        plain = kinds_of(arrays) == KINDS["line", False, False].name
+        refuse(arrays, "speed", (bare(arrays, "speed") != 0) & ~plain, "m/s of what is no half-plane without air")
     if not arrays.keys() & {BODY, *OF_A_FILM}:
         return
     present = {name: _has(arrays, name) for name in OF_A_FILM}
@@ -105,7 +107,7 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
     if np.any(film & ~present["base"] & ~present["base_modulus"]):
         raise FactorError(f"base: missing; must be {_BASE}")
     graded, exponent = present["base_volume_fraction"], present["grading_exponent"]
-    refuse(arrays, "base_volume_fraction", graded & among(arrays, "profile", _POINTED), GRADED_BELOW_A_POINT)
+    refuse(arrays, "base_volume_fraction", graded & in_space(arrays), "grades a film below a contact in space")
     if "volume_fraction" not in arrays:
         refuse(arrays, "base_volume_fraction", graded, "without a volume_fraction, which a graded film has on top")
     refuse(arrays, "grading_exponent", exponent & ~graded, "without a base_volume_fraction; only a graded film has one")
@@ -214,9 +216,6 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
             raise FactorError(f"{BODY}: {shown(value)} is no solver.Stack")
         if value.electroded:
             raise FactorError(f"{BODY}: {value.name}: electroded is said by the factor electrode: top")
-    graded = np.array([stack.top.graded for stack in arrays[BODY].values.flat]).reshape(arrays[BODY].shape)
-    pointed = among(arrays, "profile", _POINTED)
-    refuse(arrays, BODY, xr.DataArray(graded, dims=arrays[BODY].dims) & pointed, GRADED_BELOW_A_POINT)
     for name in ("material", "composite", "volume_fraction", "cut", "cut_angle", *OF_A_FILM):
         if name in arrays:
             raise FactorError(f"{name}: beside a {BODY}; a stack has its own materials, thicknesses and interfaces")
@@ -245,7 +244,7 @@ _READ = (
     "electrode",
     "interface_magnetic",
 )
-_THERE = ("thickness", "gap_radius", "base_volume_fraction", "grading_exponent", *OF_AN_ELECTRODE[1:])
+_THERE = ("thickness", "gap_radius", *OF_AN_ELECTRODE[1:])
 
 
 def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:

@@ -11,7 +11,7 @@ from solver.face.point import OnPoints
 from solver.face.punches import punch_of
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.surface import HalfPlane
-from solver.line.powerlaw import material_from
+from solver.line.windows import material_from
 from solver.material.constants import UNITS
 from solver.point.body import HalfSpace
 from solver.point.contact import Friction, Pressed

@@ -32,8 +32,7 @@ class OnPointFilm(OnPoints):
             # first: a patch too far is refused before sliding is solved
             if isinstance(body, Film) and reading is not None:
                 collected = electrode_quantities(pressed.charged, body, reading)
-            out = with_nominal_field(self._quantities(pressed, places), pressed)
-            return out if reading is None else reading.driven(out | collected)
+            return with_nominal_field(self._quantities(pressed, places), pressed) | collected
 
         return self._of_parts(solved)
 

@@ -99,7 +99,7 @@ def solve(
     ------
     FactorError
         Unknown, missing, non-finite or out-of-range factor or position; an unknown name in ``peaks``; a charge on an
-        insulating punch; a speed that is not below the limiting one or a film's critical one; a film without base, or a
+        insulating punch; a speed that is not below the limiting one; a film without base, or a
         base without film; a contact that would need tension, one beyond the resolved range of a film, or several for
         one load. Names field, value and what is allowed.
     MaterialError

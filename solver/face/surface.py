@@ -262,8 +262,6 @@ class _Contact:
             material, cut = self._material
             body = SurfaceBody((), material.stiffness_tensor(cut))
         else:
-            if any(layer.graded for layer in stack.layers):
-                raise FactorError("body: a graded layer below a contact in space; only homogeneous layers are solved")
             layers = [
                 SurfaceLayer(layer.material.stiffness_tensor(), layer.thickness, 2 in held, metal)
                 for layer, held, metal in zip(stack.layers, stack.grounded, stack.conductors, strict=False)

@@ -24,13 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Indices
-from approximation.chebyshev import gauss_points, interpolation
+from approximation.chebyshev import gauss_points, interpolation, legendre_rule
 from solver.arrays import Array, BoolArray
 from solver.cache import cached_small
 
 RULE = 12  # nodes where charges and a panel of the kernel meet: exact for both
 GRADED = 0.12 ** np.arange(8.0)  # of the infinite panel, towards the logarithm at its end
-_SHARE, _WEIGHTS = (np.polynomial.legendre.leggauss(RULE) + np.array([[1.0], [0.0]])) / 2  # of an interval
+_SHARE, _WEIGHTS = (legendre_rule(RULE) + np.array([[1.0], [0.0]])) / 2  # of an interval
 _ELLIPSE = 4.0  # rho^-16 is left, beside densities of degree 6: 2e-10
 
 
@@ -48,14 +48,9 @@ def gauss(ends: Array, count: int) -> tuple[Array, Array]:
 
     ends: (interval + 1,).
     """
-    x, w = _legendre(count)
+    x, w = legendre_rule(count)
     half = np.diff(ends) / 2
     return (ends[:-1, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
-
-
-@cache
-def _legendre(count: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +103,7 @@ class Grid:
 
     @cached_property
     def _local(self) -> Array:
-        return np.asarray(np.polynomial.legendre.leggauss(_PANEL_NODES)[0])
+        return np.asarray(legendre_rule(_PANEL_NODES)[0])
 
     @property
     def panels(self) -> int:
@@ -382,6 +377,6 @@ def peak_of_panels(values: Array) -> Array:
 @cache
 def _resampled(count: int) -> Array:
     """Matrix from values at Gauss's nodes to those at even distances; (node, sample)."""
-    to_series = np.linalg.inv(np.polynomial.legendre.legvander(_legendre(count)[0], count - 1))
+    to_series = np.linalg.inv(np.polynomial.legendre.legvander(legendre_rule(count)[0], count - 1))
     samples = np.polynomial.legendre.legvander(np.linspace(-1, 1, _SAMPLES), count - 1)
     return np.asarray((samples @ to_series).T)

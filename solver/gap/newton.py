@@ -87,8 +87,8 @@ class Outputs:
         return Reading(self.values, self.interval.polynomials(log_size, clipped=self.clipped) @ self._series[:2])
 
     def about(self, log_size: Array) -> "Expansion | None":
-        """Series about some sizes, which are read faster than the table; None if they would be large."""
-        if self.interval is None or 8 * _TERMS * log_size.size * self.values[0].size > _LARGEST:
+        """Series about few sizes; None for many, which read the table at once faster than a series each."""
+        if self.interval is None or 2 * _TERMS * log_size.size > self.interval.count:
             return None
         weights = self.interval.polynomials(log_size, clipped=self.clipped) @ self._series
         return Expansion(log_size, np.tensordot(np.moveaxis(weights, 1, 0), self.values, 1))
@@ -450,28 +450,29 @@ class Settled(Generic[_State]):
     def _changes(self) -> Array:
         """Changes of the unknowns for unit loads, force then charges; (case, unknown, 1 + charge)."""
         states, count = self.states, 1 + len(self.states.held)
-        right = np.zeros((*states.unknowns.shape, count))
-        right[:, 0, 0] = 1.0
-        for charge in range(count - 1):
-            right[:, _CLOSING + charge, 1 + charge] = 1.0
-        chords = list(self.chords)
+        right = np.zeros((states.unknowns.shape[1], count))
+        right[0, 0] = 1.0
+        right[_CLOSING + np.arange(count - 1), 1 + np.arange(count - 1)] = 1.0
+        chords, active, part = list(self.chords), np.arange(len(self.chords)), states
         result, last = np.stack([chord.causes[:, :count] for chord in chords]), np.ones(len(chords))
-        done = np.zeros(len(chords), dtype=bool)
         for _ in range(_REFINEMENTS):
-            missing = right - states.derivative(result)
-            change = _solved(chords, missing)
-            size = _largest(change, states.terms.sizes) / _largest(result, states.terms.sizes)
+            change = _solved(_of(chords, active), right - part.derivative(result[active]))
+            size = _largest(change, part.terms.sizes) / _largest(result[active], part.terms.sizes)
             slow = np.flatnonzero(~(size < _SLOW * last) & ~(size < _STALLED))
             if slow.size:  # equations of another state
-                for case, chord in zip(slow.tolist(), states.part(slow).chords(), strict=True):
-                    chords[case] = chord
-                    result[case], change[case] = chord.causes[:, :count], 0.0
-            result += change
-            done |= (size**2 < _TANGENT_CLOSE * last) | ((size > last / 2) & (size < _STALLED))
+                _renew(chords, active, part, slow)
+                result[active[slow]] = np.stack([chords[case].causes[:, :count] for case in active[slow].tolist()])
+                change[slow] = 0.0
+            result[active] += change
+            done = (size**2 < _TANGENT_CLOSE * last) | ((size > last / 2) & (size < _STALLED))
             done[slow] = False
-            if np.all(done):
+            last = size
+            last[slow] = 1.0
+            running = np.flatnonzero(~done)
+            if not running.size:
                 break
-            last = np.where(np.isin(np.arange(len(chords)), slow), 1.0, size)
+            if running.size < active.size:
+                active, part, last = active[running], part.part(running), last[running]
         return result * states.by_load[0][:, None]
 
     @cached_property
@@ -547,8 +548,9 @@ def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _S
         running = np.flatnonzero(~converged[active] & np.isfinite(size))
         if not running.size:
             break
-        if 2 * running.size <= active.size:  # few cases take longer
+        if running.size < active.size:
             active, part = active[running], part.part(running)
+            change = change[running]
         if not is_near and np.max(np.abs(change[:, 0])) < _NEXT / 4:
             part, is_near = part.moved(unknowns[active]).expanded, True
     final = part if active.size == count else states

@@ -11,7 +11,6 @@ from solver.point.profile import Shape
 
 _IDLE = "the punch conducts no field, so that no charge lies beside it; must be insulated"
 _CORNER = "the punch has a corner, beside which no narrow gap opens; must be insulated"
-_GRADED = "the film is graded, whose displacements beside the contact are not tabulated; must be insulated"
 _SIDEWAYS = "the film's base has no normal induction, so that flux leaves sideways without end; must be insulated"
 _ALL_TOUCHES = (
     "a disc's face touches all over, so that no gap lies beside the contact, only air around the punch's side; must be "
@@ -33,8 +32,6 @@ def lacking(kind: Kind) -> str | None:
         return _IDLE
     if not all(kind.smooth):
         return _CORNER
-    if kind.graded:
-        return _GRADED
     if kind.conducts[1] and kind.stack().insulated:
         return _SIDEWAYS
     return None

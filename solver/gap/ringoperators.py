@@ -17,6 +17,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.chebyshev import legendre_rule
 from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
@@ -51,7 +52,7 @@ class ContactRule:
         Those for even functions serve products of odd ones, too.
         """
         count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
-        x, w = np.polynomial.legendre.leggauss(2 * count)
+        x, w = legendre_rule(2 * count)
         if even:
             return cls(x[count:], w[count:])
         t = (1 + x) / 2
@@ -60,7 +61,7 @@ class ContactRule:
     @property
     def graded(self) -> Self:
         """Rule refined towards both ends: for integrands kinked at the apex and logarithmic at the edge."""
-        x, w = np.polynomial.legendre.leggauss(self.nodes.size + _STEEP)
+        x, w = legendre_rule(self.nodes.size + _STEEP)
         t = (1 + x) / 2
         half, weights = t**_GRADED / 2, w * _GRADED * t ** (_GRADED - 1) / 4
         return type(self)(np.concatenate([half, 1 - half]), np.concatenate([weights, weights]))
@@ -77,7 +78,7 @@ class ContactRule:
     def odd_series(self) -> Array:
         """Matrix from odd S at the nodes to coefficients of psi in P_n(2 b - 1) (points, 8); (n, node)."""
         count = 2 * self.nodes.size
-        x, w = np.polynomial.legendre.leggauss(count)
+        x, w = legendre_rule(count)
         b, orders = (1 + x) / 2, np.arange(1, count, 2)
         at_nodes, at_points = (np.polynomial.legendre.legvander(s, count - 1)[:, 1::2] for s in (self.nodes, b))
         values = at_points * (2 * orders + 1) @ at_nodes.T * self.weights

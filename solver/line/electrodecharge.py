@@ -25,7 +25,6 @@ _CHARGES_AT_ONCE = 200_000  # transforms of cases at wavenumbers held at once
 
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
     """Requested electrode and strip quantities of `solver.names`, SI; (case,)."""
-    reading.refused(conducts=films.kind.conducts[0])
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, window, contact in films.parts:
         part = reading.part(places)
@@ -122,14 +121,4 @@ class _OfLine(Collected):
         size = np.zeros_like(distance) if self.reading.size is None else self.reading.size
         wave = (1j * self.k) ** order * np.exp(1j * self.k * distance[:, None])
         share = 2 * np.sin(self.k * size[:, None] / 2) / self.k
-        charge = np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi
-        return charge + self._local(distance, size, order) if self.electrode.on_top else charge
-
-    def _local(self, distance: Array, size: Array, order: int) -> Array:
-        """Charge of strips on top by the tractions on them; (case,)."""
-        half = self.tractions.half_lengths
-        ends = (distance[:, None] + size[:, None] * [-0.5, 0.5]) / half[:, None]
-        tractions = self.tractions.on_plane(ends.astype(np.complex128), integrated=order == 0)[..., 0]  # (4, case, end)
-        parts = np.concatenate([tractions[:1].real, tractions[1:].imag])
-        charge = np.einsum("t,tc->c", self.electrode.local, parts[..., 1] - parts[..., 0]) / self.scale[2]
-        return np.asarray(charge if order else charge * half)
+        return np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi

@@ -1,13 +1,11 @@
 """Fields inside films and their bases (films, section 6).
 
 In the top layer the half-plane's part of the field is closed (theory section 5); what the layers below reflect, and
-everything below the top layer, decays at least like exp(-k h1 g) and is integrated over the wavenumbers k. Inside, a
-graded layer is two staircases of homogeneous ones, extrapolated, loaded by the tractions of the graded film.
+everything below the top layer, decays at least like exp(-k h1 g) and is integrated over the wavenumbers k.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +15,11 @@ from solver.halfplane.interior import LINEAR, field_rows
 from solver.halfplane.potentials import POTENTIALS
 from solver.line.tractions import Tractions
 from solver.stack.fourier import Medium
-from solver.stack.grading import Graded, staircase
 from solver.stack.layers import Stack, StackError
 from solver.stack.layerwaves import TURN, below, layer_waves, modal
 from solver.stack.reflection import LayerWaves, held, waves
 from solver.stack.wavenumbers import strip
 
-SUBLAYERS = 24  # of a graded layer, and half of them, extrapolated
 FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 
 _WAVENUMBERS_AT_ONCE = 512  # wavenumbers at a time
@@ -36,16 +32,10 @@ class Interior:
     """Fields under tractions."""
 
     tractions: Tractions
-    sublayers: int = SUBLAYERS
-
-    @cached_property
-    def body(self) -> Stack:
-        """The stack; a graded layer as sublayers of the materials at their middles."""
-        stack = self._stack
-        return staircase(stack, self.sublayers) if stack.top.graded else stack
 
     @property
-    def _stack(self) -> Stack:
+    def body(self) -> Stack:
+        """The stack."""
         return self.tractions.system.kernel.stack
 
     def fields(self, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
@@ -59,7 +49,7 @@ class Interior:
         """Fields by their number in ``LINEAR`` at positions of like distance; (member, field, y, x, column)."""
         depth = -Y * self.tractions.half_lengths[:, None]
         body = self._body_at(depth)
-        if len(which) < 8 and not self._stack.top.graded:  # less to sum than the whole state
+        if len(which) < 8:  # less to sum than the whole state
             return np.moveaxis(self._summed(X, Y, [self._rows_of(medium, which) for medium in self._media]), 2, 1)
         states = self._summed(X, Y, [np.eye(8) for _ in self._media])
         rows = self._rows(depth, body, which)
@@ -100,18 +90,10 @@ class Interior:
     def _rows(self, depth: Array, body: NDArray[np.intp], which: list[int]) -> Array:
         """Rows that give the fields from the state; (member, y, field, 8)."""
         rows = np.full((*depth.shape, len(which), 8), np.nan)
-        layer, homogeneous = self._stack.top, np.ones_like(depth, dtype=bool)
-        if isinstance(layer, Graded):  # strain and traction meet at sublayers, the material is that of the depth
-            homogeneous = body >= self.sublayers
-            if not np.all(homogeneous):
-                share = np.minimum(depth[~homogeneous] / layer.thickness, 1.0)
-                rows[~homogeneous] = self._rows_of(
-                    Medium(layer.profile(share), self.body.scale, self._stack.speed), which
-                )
         media = self._media
-        for number in np.unique(body[homogeneous]).tolist():
+        for number in np.unique(body).tolist():
             if number < len(media):
-                rows[homogeneous & (body == number)] = self._rows_of(media[number], which)
+                rows[body == number] = self._rows_of(media[number], which)
         return rows
 
     def _rows_of(self, medium: Medium, which: list[int]) -> Array:
@@ -241,15 +223,9 @@ def fields_of(tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...], 
             f"{farthest:.3g}"
         )
     linear = tuple(name for name in names if name in LINEAR)
-
-    def parts(sublayers: int) -> Array:
-        inside = Interior(tractions, sublayers)
-        parts = [inside.fields(X[None], Y[None], linear)] if linear else []
-        parts += [inside.potentials(X[None], Y[None], datum)] if len(linear) < len(names) else []
-        return np.concatenate(parts, 1)[..., 0]
-
-    whole = parts(SUBLAYERS)
-    if tractions.system.kernel.graded is not None:  # of second order in the thickness of the sublayers
-        whole = whole + (whole - parts(SUBLAYERS // 2)) / 3
+    inside = Interior(tractions)
+    parts = [inside.fields(X[None], Y[None], linear)] if linear else []
+    parts += [inside.potentials(X[None], Y[None], datum)] if len(linear) < len(names) else []
+    whole = np.concatenate(parts, 1)[..., 0]
     available = (*linear, *POTENTIALS)
     return whole[:, [available.index(name) for name in names]]

@@ -19,10 +19,9 @@ from approximation.piecewise import Piecewise
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
 from solver.stack.electroded import difference, lowest, surface
-from solver.stack.grading import GradedResponse, smooth_tails
 from solver.stack.layers import Stack, StackError
 from solver.stack.reflection import sideways
-from solver.stack.wavenumbers import ended_at, graded_strip, panels, strip, tapered, wavenumbers
+from solver.stack.wavenumbers import ended_at, strip, tapered
 
 #: Entries of Delta in the order of the channels: six oo, three ox, then xx (of K only).
 ENTRIES = ((1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3), (1, 0), (2, 0), (3, 0), (0, 0))
@@ -40,8 +39,6 @@ _GROWN = 1.35  # growth of the panels in x
 #: Degree on every panel.
 DEGREE = 16  # of the Chebyshev panels in x, the first half as long as the strip is wide: 8.3^-17 is below rounding
 _TAIL = 1e-11  # of the largest coefficient: what the last ones of a resolved kernel fall below
-FINEST = 10  # halvings of the first panel under a graded layer, whose kernels are rough at 0
-_GRADED_TAIL = 1e-8
 _HALVINGS = 6  # of panels that do not resolve: roots with a large real part put singularities beside the first ones
 _TRANSFORMS_AT_ONCE = 20_000_000  # entries of one block of the transform: bounded memory
 _FARTHEST = 1e5  # reach over the width of the strip: bounded time
@@ -54,9 +51,6 @@ class Kernel:
     stack: Stack  # The stack
     width: float  # b = 2 h1 g [m]: distance of the nearest singularities from the real axis, and the datum L of U
     positive: Piecewise  # K (ten channels) and U (nine) at distances from 0 to the reach [m]; (distance, 19)
-    # Response of a stack whose top layer is graded: the kernels are then without their rough parts
-    # (:mod:`solver.line.assembly`), and U is left out
-    graded: GradedResponse | None = None
 
     @property
     def ends(self) -> Array:
@@ -94,16 +88,15 @@ def kernel(stack: Stack, reach: float, *, by_distance: bool = False) -> Kernel:
         raise StackError(
             f"kernel: distance {reach:g} m is beyond the range that can be resolved, {_FARTHEST * width:g} m"
         )
-    ends = growing(width, reach, halvings=FINEST if stack.top.graded else 0)
+    ends = growing(width, reach)
     ends[-1] = max(reach, (ends[-2] + ends[-1]) / 2)
-    graded = graded_response(stack) if stack.top.graded else None
     octaves = octave(ends, width) if by_distance else None
-    return Kernel(stack, width, _resolved(stack, width, ends, graded, octaves), graded)
+    return Kernel(stack, width, _resolved(stack, width, ends, octaves))
 
 
-def growing(width: float, reach: float, *, halvings: int = 0) -> Array:
+def growing(width: float, reach: float) -> Array:
     """Ends of panels in the distance from 0 to the reach or beyond [m], which grow from half the width on; (end,)."""
-    ends = [0.0, *(width / 2 * 0.5 ** np.arange(halvings, -1, -1))]
+    ends = [0.0, width / 2]
     while ends[-1] < reach:
         ends.append(_GROWN * ends[-1] + width / 2)
     return np.array(ends)
@@ -117,39 +110,29 @@ def octave(ends: Array, width: float) -> Array:
     return np.asarray(np.floor(np.log2(ends[1:] / width)))
 
 
-def _resolved(
-    stack: Stack, width: float, ends: Array, graded: GradedResponse | None, octaves: Array | None
-) -> Piecewise:
+def _resolved(stack: Stack, width: float, ends: Array, octaves: Array | None) -> Piecewise:
     """The channels on panels, those whose series have not decayed halved until all have."""
-    least = _TAIL if graded is None else _GRADED_TAIL
 
     def values(x: Array) -> Array:
-        return _transforms(stack, width, x) if graded is None else _graded(graded, width, x)
+        return _transforms(stack, width, x)
 
     channels = Piecewise.of(values, ends, DEGREE + 1, octaves)
     for _ in range(_HALVINGS):
-        large = _undecayed(channels.series, least)
+        large = _undecayed(channels.series)
         if not np.any(large):
             return channels
         channels = channels.halved(values, large)
-    if np.any(_undecayed(channels.series, least)):
+    if np.any(_undecayed(channels.series)):
         raise StackError(
-            "kernel: its table does not resolve this stack: layers too different in thickness or stiffness "
-            "(or a speed next to the critical one)"
+            "kernel: its table does not resolve this stack: layers too different in thickness or stiffness"
         )
     return channels
 
 
-def _undecayed(series: Array, least: float) -> BoolArray:
-    """Panels whose last coefficients are not below ``least`` of the largest of K anywhere; (panel,)."""
+def _undecayed(series: Array) -> BoolArray:
+    """Panels whose last coefficients are not below ``_TAIL`` of the largest of K anywhere; (panel,)."""
     size = np.max(np.abs(series[:, :, :10]))
-    return np.asarray(~(np.max(np.abs(series[:, -2:]), axis=(1, 2)) <= least * size))
-
-
-@cached
-def graded_response(stack: Stack) -> GradedResponse:
-    """The response of a graded film, which all its kernels share, whatever their reach."""
-    return GradedResponse(stack, panels(stack, graded_strip(stack)))
+    return np.asarray(~(np.max(np.abs(series[:, -2:]), axis=(1, 2)) <= _TAIL * size))
 
 
 def _transforms(stack: Stack, width: float, x: Array) -> Array:
@@ -176,19 +159,6 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     out[:, 5] -= spread / np.pi * (angle + width * x / (x**2 + width**2))
     out[:, 15] += spread / np.pi * (stack.thickness - width - x * angle)
     return out
-
-
-def _graded(response: GradedResponse, width: float, x: Array) -> Array:
-    """Smooth part of K at distances x >= 0 under a graded layer, U zero; (x, 19)."""
-    k, weights = wavenumbers(response.stack, float(np.max(x)), graded_strip(response.stack))
-    rows = np.array([(weights[:, None, None] * response.decayed(k, width))[:, i, j] for i, j in ENTRIES]).T
-    tails = np.array([response.tails[:3, i, j] for i, j in ENTRIES]).T  # (order, channel)
-    sines, cosines = smooth_tails(x, width)
-    out, odd = np.zeros((x.size, 19)), np.flatnonzero(_ODD[:10])
-    even = np.setdiff1d(np.arange(10), odd)
-    out[:, odd], out[:, even] = _summed(x, k, rows[:, odd], rows[:, even])
-    out[:, :10] += np.where(_ODD[:10], sines.T @ tails, cosines.T @ tails)
-    return -out / np.pi
 
 
 def _summed(x: Array, k: Array, by_sine: Array, by_cosine: Array) -> tuple[Array, Array]:

@@ -38,14 +38,11 @@ def functionals(assembly: Assembly) -> Array:
         rows[:, BALANCE, -1] = 1.0
     rows[:, PRESSURE, pressures] = -basis.pressure_factor(SAMPLES)
     rows[:, DISPLACEMENT] = _displacements(assembly)
-    beyond = assembly.beyond
-    for place, (f, start) in enumerate(system.starts(basis).items()):
+    for f, start in system.starts(basis).items():
         charges = slice(start, start + basis.terms + 1)
         rows[:, INTENSITY.start + 2 * f, charges] = np.sqrt(np.pi)
         rows[:, INTENSITY.start + 2 * f + 1, charges] = np.sqrt(np.pi) * signs
-        if beyond is not None:
-            rows[:, INTENSITY.start + 2 * f : INTENSITY.start + 2 * f + 2] += np.sqrt(np.pi) * beyond[0][:, place]
-    rows[:, EDGE_STRESS] = _edge_stress(assembly, None if beyond is None else beyond[1])
+    rows[:, EDGE_STRESS] = _edge_stress(assembly)
     return rows
 
 
@@ -65,12 +62,10 @@ def _displacements(assembly: Assembly) -> Array:
     return rows
 
 
-def _edge_stress(assembly: Assembly, beyond: Array | None) -> Array:
+def _edge_stress(assembly: Assembly) -> Array:
     """sigma_xx just outside the edges; (half, 2, unknown)."""
     system, basis = assembly.system, assembly.basis
     c, half, scale = system.coefficients, system.sliding.halfplane, system.kernel.stack.scale
     strain = np.array(assembly.gradients[:, 3])
     strain[..., : basis.pressures] -= c.tangential * c.friction * basis.local(EDGES)
-    if beyond is not None:
-        strain -= c.tangential * c.friction * beyond / c.lam
     return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain * np.array(basis.smooth)[:, None])

@@ -16,7 +16,6 @@ from solver.line.stressnets import DEPTH
 from solver.line.table import RangeError
 from solver.line.windows import Kind, peak_window
 from solver.names import RESPONSES
-from solver.stack.layers import StackError
 from solver.twoport import Compliance
 
 _SHORT_STEPS = 20
@@ -122,8 +121,6 @@ def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = Non
 
 def _peak_tables(films: Films) -> PeakTables:
     """Cases with the table of stresses of their window, and their contacts in it."""
-    if films.kind.stack().top.graded:
-        raise StackError("peaks: are not given of a film that is graded")
     for places, number, contact in films.parts:
         require_depth(films.kind, contact.half_width)
         table = peak_window(films.kind, number)

@@ -22,11 +22,10 @@ from solver.line.contact import FilmContact
 from solver.line.extent import load_at_nodes
 from solver.line.loading import Loading
 from solver.line.table import LengthsError, Table
-from solver.line.windows import FIRST, LAST, Kind, beyond, number_of, searched, window
+from solver.line.windows import FIRST, LAST, Kind, number_of, searched, window
 from solver.stack.electroded import met
 
 _BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
-_WIDE = 8.0  # thicknesses from which a graded film's load is first compared with that of homogeneous ones
 _APART = 1.05  # from the window of a contact, within which they say nothing
 
 
@@ -80,25 +79,10 @@ class Films:
         """Window of every case; (case,)."""
         if self.profile.width is not None:
             return number_of(np.broadcast_to(self.profile.width / (2 * self.thickness), self.load.shape))
-        guess = self._guess
-        if self.kind.graded:
-            self._refuse_wide(guess)
         return searched(
-            guess, lambda places, number: self._beside(places, window(self.kind, number)), self.thickness,
+            self._guess, lambda places, number: self._beside(places, window(self.kind, number)), self.thickness,
             "half-length", "load",
         )  # fmt: skip
-
-    def _refuse_wide(self, guess: Array) -> None:
-        """Refuse loads that no homogeneous film of a material of a graded one carries: its own wide tables are dear."""
-        wide = np.flatnonzero(guess > _WIDE)
-        if not wide.size:
-            return
-        carried = np.zeros(wide.size, dtype=bool)
-        for depth in (0.0, 0.5, 1.0):
-            table = window(self.kind.homogeneous(depth), LAST, rough=True)
-            carried |= self._enough(wide, table)[:, -1]
-        if not np.all(carried):
-            raise beyond(False, self.thickness[wide][~carried], "half-length")
 
     def _beside(self, places: Indices, table: Table) -> Indices:
         """-1 or 1 where the half-length is below or above a table's, 0 where it is within."""

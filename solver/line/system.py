@@ -22,7 +22,6 @@ from solver.line.kernel import Kernel
 SAMPLES: Array = np.cos(np.pi * np.arange(193) / 192)
 
 _SAMPLES = 13.5  # half the logarithm of the error of the rules that integrate the kernels
-_GRADED_TERMS = 2.5  # under a graded layer, over those of a homogeneous one
 _NO_COUPLING = 1e-6  # of lam: a friction coupling kap below this is replaced by it (films, section 4)
 
 
@@ -117,8 +116,6 @@ class System:
         """Basis whose terms resolve contacts up to a half-length [m]."""
         terms = self.terms(half_length)
         samples = terms // 2 + 6 + int(_SAMPLES / np.arcsinh(self.kernel.width / half_length))
-        if self.kernel.graded is not None:  # the remainder is rough at a distance of 0
-            samples *= 2
         return Basis(self.coefficients.delta, self.smooth, terms, samples)
 
     def terms(self, half_length: float) -> int:
@@ -126,19 +123,16 @@ class System:
         stack = self.kernel.stack
         ratio = half_length / (stack.top.thickness * min(float(stack.media[0].slowest), 1.0))
         count = self.accuracy * 0.8 * (16 + 7 * np.sqrt(ratio) + 0.2 * ratio) + self.degree
-        if self.kernel.graded is not None:  # they converge like M^-4
-            count *= _GRADED_TERMS
         return max(2 * int(np.ceil(count / 2)), 8)
 
     def solve(
         self,
         basis: Basis,
         gradients: Array,
-        rough: tuple[Array, Array] | None = None,
         sources: Array | None = None,
     ) -> Array:
         """Unknowns for every right side; (half, unknown, cause and source)."""
-        matrix = self._matrix(basis, gradients, rough)
+        matrix = self._matrix(basis, gradients)
         right = np.zeros((matrix.shape[-1], self.causes))
         slopes = basis.nodes[:, None] ** np.array(self.powers)
         projected = basis.projection @ slopes
@@ -198,12 +192,10 @@ class System:
         ratio = c.friction_screening[list(self.fields), None, None] / c.kap
         return pressed, np.einsum("fg,hgmz->hfmz", c.inverse, flux) - ratio * pressed[:, None]
 
-    def _matrix(self, basis: Basis, smooth: Array, rough: tuple[Array, Array] | None) -> Array:
-        c, start, h = self.coefficients, self.starts(basis), smooth.shape[0]
-        pressed, charged = self.eliminated(smooth)
+    def _matrix(self, basis: Basis, gradients: Array) -> Array:
+        c, start, h = self.coefficients, self.starts(basis), gradients.shape[0]
+        pressed, charged = self.eliminated(gradients)
         projected, series = basis.projection @ pressed, basis.charge_projection @ charged
-        if rough is not None:
-            projected, series = projected + self.eliminated(rough[0])[0], series + self.eliminated(rough[1])[1]
         matrix = np.zeros((h, self.unknowns(basis), self.unknowns(basis)))
         first, offset = max(-basis.order, 0), max(basis.order, 0)
         matrix[:, first : basis.pressures] = projected[:, offset:]

@@ -36,7 +36,7 @@ _WIDE = 3.0  # half-lengths over the thickness from which the number of terms is
 _LAST = 5e-7  # of the largest coefficient of the pressure: bound on the last ones times h/h1, for 1e-8 of all tractions
 _LAST_TERMS = 6
 _REFINED, _REFINEMENTS = 1.25, 6  # factor on the number of terms, and how often it is applied at most
-_ALIKE, _GRADED_ALIKE = 0.75, 0.4  # of the number of terms: half-lengths that share one basis, dear if graded
+_ALIKE = 0.75  # of the number of terms: half-lengths that share one basis
 
 
 class SlowWarning(UserWarning):
@@ -131,12 +131,12 @@ def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[
     """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups."""
     order = np.argsort(half_lengths)
     terms = np.array([system.terms(h) for h in half_lengths[order]])
-    groups, share = [], _ALIKE if system.kernel.graded is None else _GRADED_ALIKE
+    groups = []
     end = len(order)
     while end > 0:
         basis = system.basis(float(half_lengths[order[end - 1]]))
         room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
-        alike = int(np.searchsorted(terms, share * basis.terms))
+        alike = int(np.searchsorted(terms, _ALIKE * basis.terms))
         start = min(max(alike, end - room), end - 1)
         groups.append((basis, order[start:end]))
         end = start
@@ -174,7 +174,7 @@ def _refined(system: System, half_length: float) -> System:
     Reflected waves that turn as they decay, as in PMN-PT, need more terms than others.
     """
     ratio = half_length / system.kernel.stack.top.thickness
-    if system.kernel.graded is not None or ratio < _WIDE:
+    if ratio < _WIDE:
         return system
     for _ in range(_REFINEMENTS):
         basis = system.basis(half_length)

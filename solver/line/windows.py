@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -11,14 +11,11 @@ from solver.arrays import Array
 from solver.cache import cached
 from solver.halfplane.sliding import Punch
 from solver.line.peaks import PeakTable
-from solver.line.powerlaw import Constants, constants_of, material_from
 from solver.line.stressnets import DEPTH
 from solver.line.table import LEAST, MOST, LengthsError, RangeError, Table, table, told
 from solver.line.tractions import TractionTable
-from solver.material.constants import Material
-from solver.stack.grading import Graded
+from solver.material.constants import ANY_SIZE, UNITS, Material
 from solver.stack.layers import RIGID, Layer, Stack
-from solver.stack.speed import critical_speed
 
 _A_DECADE = 2  # windows
 _OVERLAP = 1.3  # of a window with its neighbours
@@ -29,11 +26,33 @@ _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are ne
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
 
 
+#: Constants in the order of ``solver.material.constants.UNITS``, None where unknown: NaN never equals itself; then 1 of
+#: a conductor, 0 of others.
+Constants = tuple[float | None, ...]
+
+
+def material_from(constants: Constants, name: str) -> Material:
+    """The material of constants."""
+    *values, conductor = constants
+    values_of: dict[str, Any] = {
+        key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)
+    }
+    return Material(**values_of, conductor=np.array(bool(conductor)), name=name, any_size=ANY_SIZE)
+
+
+def constants_of(material: Material) -> Constants:
+    """The constants of a material without case axes."""
+    material.require_axial()
+    values = {key: float(getattr(material, key)) for key in UNITS}
+    known = (None if np.isnan(value) else value for value in values.values())
+    return (*known, float(material.conductor))
+
+
 @dataclass(frozen=True)
 class Coat:
     """One layer as hashable values, which identify tables."""
 
-    content: Constants | Callable[[Array], Material]  # Constants of a homogeneous layer, or the profile of a graded one
+    content: Constants
     thickness: float = 1.0  # Over that of the top layer
     # What the interface below is to each field; None for the default
     electric: str | None = None
@@ -42,13 +61,10 @@ class Coat:
     @classmethod
     def like(cls, layer: Layer, unit: float) -> Self:
         """Return the coat of a layer, lengths over a unit [m]."""
-        content = layer.profile if isinstance(layer, Graded) else constants_of(layer.material)
-        return cls(content, layer.thickness / unit, layer.electric, layer.magnetic)
+        return cls(constants_of(layer.material), layer.thickness / unit, layer.electric, layer.magnetic)
 
     def layer(self) -> Layer:
         """The layer."""
-        if callable(self.content):
-            return Graded(self.content, self.thickness, self.electric, self.magnetic)
         return Layer(material_from(self.content, "film"), self.thickness, self.electric, self.magnetic)
 
 
@@ -62,7 +78,6 @@ class Kind:
     conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
     smooth: tuple[bool, bool]  # Whether the trailing and the leading edge of the contact are smooth
     degree: int  # Largest power of x in the slope of the punch
-    speed: float = 0.0  # Steady sliding speed [m/s]
     punch: tuple[float, float] = (0.0, 0.0)  # N_p and k_p of the punch [1/Pa], 0 of a rigid one
     electroded: bool = False  # Whether the surface is a grounded electrode without stiffness
 
@@ -73,24 +88,12 @@ class Kind:
 
     def stack(self) -> Stack:
         """The film, its top layer of unit thickness, on its base."""
-        return _stack(self.layers, self.base, self.speed, self.electroded)
-
-    @property
-    def graded(self) -> bool:
-        """True if the material of the top layer varies with depth."""
-        return callable(self.layers[0].content)
-
-    def homogeneous(self, depth: float) -> Self:
-        """The kind with the material of a graded top layer at one depth over its thickness."""
-        top = self.layers[0]
-        assert callable(top.content)
-        coat = replace(top, content=constants_of(top.content(np.array(depth))))
-        return replace(self, layers=(coat, *self.layers[1:]))
+        return _stack(self.layers, self.base, self.electroded)
 
     @property
     def uniform(self) -> bool:
-        """True if the film is one homogeneous layer."""
-        return len(self.layers) == 1 and not self.graded
+        """True if the film is one layer."""
+        return len(self.layers) == 1
 
     @property
     def above_ground(self) -> float:
@@ -104,16 +107,10 @@ class Kind:
 
 
 @cached
-def _stack(layers: tuple[Coat, ...], base: Constants | None, speed: float, electroded: bool) -> Stack:
+def _stack(layers: tuple[Coat, ...], base: Constants | None, electroded: bool) -> Stack:
     """One stack for all tables of it: what is found once for a stack, is found once."""
     built = tuple(coat.layer() for coat in layers)
-    return Stack(built, RIGID if base is None else material_from(base, "base"), speed, electroded)
-
-
-@cached
-def critical(kind: Kind) -> float:
-    """First critical speed [m/s] of films of a kind, whatever their thickness."""
-    return critical_speed(kind.stack(), kind.conducts)
+    return Stack(built, RIGID if base is None else material_from(base, "base"), electroded)
 
 
 @cached

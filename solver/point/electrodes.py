@@ -1,16 +1,13 @@
 """Charge that a point contact brings to an electrode below it, and to patches of it (films, section 11).
 
 With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b at the distance d collects
-b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k. On top a part of q is v of
-the tractions at the same place, integrated over the part of the contact that the patch covers: between the radii at
-which the covered angle has a root, r = m - h cos t makes it smooth, and the edge of the contact too.
+b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k.
 
 A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: their charge on
 a patch is -1/k times the derivative by the distance of the charge of J0.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -30,80 +27,13 @@ from solver.point.table import PointWindow
 from solver.point.tractions import Tractions
 from solver.stack.electrodereading import DISC, STRIP, Reading
 from solver.stack.electrodes import Electrode, transfers
-from solver.stack.layers import StackError
 
-_DISC_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(48)
 _PHASE = 8.0  # phase of a wave over a panel of densities
 _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once: bounded memory
 
 
-@dataclass(frozen=True, eq=False)
-class Covered:
-    """Patches of one shape, their lengths over the radius of the contact; (case,) each."""
-
-    shape: int  # Index in ``solver.names.CHOICES["patch"]``
-    distance: Array  # Distance of the patch's middle from that of the contact
-    size: Array  # Diameter of a disc, width of a strip
-
-    def rule(self, *, slope: bool) -> tuple[Array, Array]:
-        """Radii r within the contact, and weights of an integral over the covered part; (case, node) each.
-
-        With ``slope`` the weights give the integral's derivative by the distance.
-        """
-        ends = np.sort(np.clip(np.stack([*self._ends, 0 * self.size, 0 * self.size + 1], -1), 0.0, 1.0), -1)
-        half, middle = (ends[:, 1:] - ends[:, :-1]) / 2, (ends[:, 1:] + ends[:, :-1]) / 2
-        angle = np.pi / 2 * (1 + _DISC_NODES)
-        r = np.asarray(middle[..., None] - half[..., None] * np.cos(angle)).reshape(len(half), -1)
-        weights = (half[..., None] * np.sin(angle) * np.pi / 2 * _WEIGHTS).reshape(len(half), -1)
-        r = np.clip(r, 1e-300, 1.0)
-        with np.errstate(divide="ignore", invalid="ignore"):  # ends may coincide; their weight is 0
-            return r, np.where(weights > 0, weights * r * self._angle(r, slope=slope), 0.0)
-
-    @property
-    def _ends(self) -> list[Array]:
-        """Radii at which the covered angle has a root."""
-        d, half = self.distance, self.size / 2
-        return [np.abs(d - half), np.abs(d + half)]
-
-    def _angle(self, r: Array, *, slope: bool) -> Array:
-        """Angle of the circles that the patch covers, or its derivative by the distance."""
-        d, half = self.distance[:, None], self.size[:, None] / 2
-        if self.shape == STRIP:
-            angle = _beyond_slope if slope else _beyond
-            return np.asarray(angle(d - half, r) - angle(d + half, r))
-        return _disc_slope(d, half, r) if slope else _disc(d, half, r)
-
-
-def _beyond(x: Array, r: Array) -> Array:
-    """Angle of a circle about the origin that lies beyond x."""
-    return np.asarray(2 * np.arccos(np.clip(x / r, -1.0, 1.0)))
-
-
-def _beyond_slope(x: Array, r: Array) -> Array:
-    """Derivative of :func:`_beyond` by x."""
-    square = (r - x) * (r + x)
-    return np.asarray(np.where(square > 0, -2 / np.sqrt(np.abs(square)), 0.0))
-
-
-def _disc(d: Array, b: Array, r: Array) -> Array:
-    """Angle of a circle about the origin that lies in the disc of radius b at the distance d."""
-    d = np.abs(d)
-    distance = np.where(d > 0, d, 1.0)
-    angle = np.arccos(np.clip((r**2 + d**2 - b**2) / (2 * r * distance), -1.0, 1.0))
-    return np.asarray(2 * np.where(d > 0, angle, np.where(r < b, np.pi, 0.0)))
-
-
-def _disc_slope(d: Array, b: Array, r: Array) -> Array:
-    """Derivative of :func:`_disc` by the distance."""
-    distance, side = np.where(d != 0, np.abs(d), 1.0), np.sign(d)
-    root = ((r + distance) ** 2 - b**2) * (b**2 - (r - distance) ** 2)
-    slope = -2 * (distance**2 - r**2 + b**2) / (distance * np.sqrt(np.abs(root)))
-    return np.asarray(np.where((root > 0) & (d != 0), side * slope, 0.0))
-
-
 def electrode_quantities(contact: PointContact, film: Film, reading: Reading) -> dict[str, Array]:
     """Requested quantities of ``solver.names.ELECTRODE_QUANTITIES``, SI; (case,) each."""
-    reading.refused(conducts=film.kind.conducts[0])
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
     for places, table, _ in film.windows(contact.radius):
         part, extent = reading.part(places), (contact.radius / film.thickness)[places]
@@ -133,8 +63,6 @@ class _OfPoint(Collected):
         if self.electrode.on_top and reading.size is None:
             return
         slides = reading.size is not None and _slides(contact)
-        if slides and self.electrode.on_top:
-            raise StackError("friction: of a point contact on patches of the electrode on top; must be 0")
         self.k, self.weights, self.rows = transfers(stack, number, octave)
         self.rubbed = Rubbed(contact).tractions.part(places) if slides else None
         causes, shape = contact.state.causes[places], film.shape
@@ -185,8 +113,7 @@ class _OfPoint(Collected):
 
     def _charge(self, distance: Array, *, slope: bool) -> Array:
         """Charges [C] of patches at distances, or their derivatives by these; without friction."""
-        charge = self._integrated(0, lambda cases, k: self._wave(cases, k, distance, slope=slope))
-        return charge + self._local(distance, self._size, slope=slope) if self.electrode.on_top else charge
+        return self._integrated(0, lambda cases, k: self._wave(cases, k, distance, slope=slope))
 
     @property
     def _size(self) -> Array:
@@ -199,17 +126,6 @@ class _OfPoint(Collected):
             alike = np.flatnonzero(shapes == shape)
             charge[alike] = wave(k, distance[cases[alike], None], self._size[cases[alike], None], slope=slope)
         return charge
-
-    def _local(self, distance: Array, size: Array, *, slope: bool) -> Array:
-        """Charge of patches on top by the tractions on them, or its derivative by the distance; (case,)."""
-        charge = np.zeros_like(distance)
-        for shape in np.unique(self.reading.shape).tolist():
-            alike = np.flatnonzero(self.reading.shape == shape)
-            lengths = (values[alike] / self.radius[alike] for values in (distance, size))
-            r, weights = Covered(int(shape), *lengths).rule(slope=slope)
-            carried = np.einsum("j,cjr->cr", self.electrode.local[1:], self.tractions.at(alike, r))
-            charge[alike] = np.sum(carried * weights, -1) / (self.radius[alike] if slope else 1.0)
-        return np.asarray(charge * self.size * self.radius / self.scale[2])
 
     def _integrated(self, row: int, wave: Callable[[Indices, Array], Array]) -> Array:
         """Return int (row of the transfers . tractions) wave dk over the charge's unit; (case,)."""

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from approximation.arrays import Indices
+from approximation.chebyshev import legendre_rule
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
 from solver.halfplane.pressing import ContactError
@@ -147,7 +148,7 @@ class Rim:
 
 def edge_sums(pressed: Density) -> tuple[Array, Array]:
     """Return I_n = -int_0^(pi/2) phi_sigma'(sin angle) sin(n angle) d angle, n of 1 and 3; (column,) each."""
-    gauss, gauss_weights = np.polynomial.legendre.leggauss(_ANGLES)
+    gauss, gauss_weights = legendre_rule(_ANGLES)
     angle, weights = np.pi / 4 * (1 + gauss), np.pi / 4 * gauss_weights
     falling = pressed.falling(np.sin(angle))[:, 0]
     return falling @ (np.sin(angle) * weights), falling @ (np.sin(3 * angle) * weights)

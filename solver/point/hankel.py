@@ -13,11 +13,11 @@ J_0 and J_1.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from scipy.special import j0, j1
 
+from approximation.chebyshev import legendre_rule
 from solver.arrays import Array, ComplexArray
 
 _ORDERS_ABOVE = 24  # orders above the highest one at which the ratios begin: their error dies out on the way down
@@ -90,11 +90,6 @@ def least_depth(distance: float) -> float:
     return max(min(LEAST, _SHARE * distance), _FLOOR)
 
 
-@lru_cache
-def _gauss() -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(_PANEL_COUNT)
-
-
 @dataclass(frozen=True, eq=False)
 class Nodes:
     """Nodes of panels in b, on 0 to 1 or beyond; (node,) each."""
@@ -121,7 +116,7 @@ def nodes(
         offsets = np.concatenate([offsets, [0.0], steps, -steps])
     ends = np.unique(offsets)
     ends = ends[(ends >= -sharp) & (ends <= last - sharp)]
-    gauss, gauss_weights = _gauss()
+    gauss, gauss_weights = legendre_rule(_PANEL_COUNT)
     half = np.diff(ends)[:, None] / 2
     offset = (ends[:-1, None] + half * (1 + gauss)).ravel()
     return Nodes(sharp + offset, (half * gauss_weights).ravel(), offset + (sharp - radius))

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from approximation.arrays import Indices
-from approximation.chebyshev import coefficients
+from approximation.chebyshev import coefficients, legendre_rule
 from solver.arrays import Array
 from solver.cache import cached
 from solver.point import hankel
@@ -135,7 +135,7 @@ class Layers:
     def solved(self, response: Response, causes: Density, radius: float, count: int) -> Array:
         """Shift c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
         phases = self.k * radius
-        gauss, gauss_weights = np.polynomial.legendre.leggauss(count)
+        gauss, gauss_weights = legendre_rule(count)
         b, weights = (1 + gauss) / 2, gauss_weights / 2
         sines = np.sin(phases[:, None] * b)
         shares = 2 / np.pi * self.weights * radius

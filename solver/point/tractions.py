@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from approximation.arrays import Indices
+from approximation.chebyshev import legendre_rule
 from solver.arrays import Array
 from solver.point import hankel
 from solver.point.profile import Shape
@@ -123,7 +124,10 @@ def turned_form_rates(exponent: float, b: Array) -> Array:
 
 def _stretched(e: float, b: Array) -> Array:
     """Return int_0^1 (1 - (s/b)^e) / (1 - (s/b)^2) ds; (b,)."""
-    gauss, gauss_weights = np.polynomial.legendre.leggauss(_KINK_NODES)
+    if e % 2 == 0:  # a polynomial of 1/b
+        powers = np.arange(0, e, 2)
+        return np.asarray(b[:, None] ** -powers @ (1 / (powers + 1)))
+    gauss, gauss_weights = legendre_rule(_KINK_NODES)
     v = (1 + gauss) / 2  # s = v^4: powers of s are smooth in v
     s, weights = v**4, 2 * gauss_weights * v**3
     log = np.log(s) - np.log(b)[:, None]

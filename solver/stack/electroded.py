@@ -4,12 +4,9 @@ Under the electrode phi = 0 at the surface, and D_y is what the electrode takes:
 grounded interface. With ``Y = Y0 + Delta``, p = Y0_ff and v = Y0_f / p, what the layers add keeps its digits:
 
     Delta' = D - D_f D_f^T / (p + D_ff),   D = P Delta P^T,  P = I - (v - e) e^T.
-
-The electrode's charge is ``Y_f t / Y_ff``, v of the tractions at the same place and what decays with k.
 """
 
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 
@@ -26,7 +23,7 @@ class Electroded(HalfPlane):
 
     @cached_property
     def _bare(self) -> HalfPlane:
-        return HalfPlane(self.material, self.speed)
+        return HalfPlane(self.material)
 
     @cached_property
     def compliance(self) -> Array:
@@ -62,7 +59,7 @@ class Electroded(HalfPlane):
 def met(stack: Stack) -> HalfPlane:
     """Half-plane of the top layer as a punch meets it."""
     half = stack.media[0].halfplane
-    return Electroded(half.material, half.speed) if stack.electroded else half
+    return Electroded(half.material) if stack.electroded else half
 
 
 def surface(stack: Stack) -> Array:
@@ -80,38 +77,12 @@ def difference(stack: Stack, k: Array) -> Array:
     added = waves(stack, k)[0].difference
     if not stack.electroded:
         return added
-    return grounded(stack, added)
-
-
-def grounded(stack: Stack, added: Array) -> Array:
-    """Delta' of a surface that is grounded, from Delta (k, 4, 4) of the bare one; (k, 4, 4)."""
-    D, pivot = _shared(stack, added), stack.media[0].compliance[_PHI, _PHI]
-    return _without_phi(D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (pivot + D[:, _PHI, _PHI])[:, None, None])
-
-
-def grounded_tails(stack: Stack, tails: Array) -> Array:
-    """Tails of Delta' in powers of 1/k, from those of Delta, (order, 4, 4); (order, 4, 4)."""
-    D, pivot = _shared(stack, tails), stack.media[0].compliance[_PHI, _PHI]
-    inverse, added = [1 / pivot], np.array(D)  # of p + D_ff, from order 0 on
-    for order in range(1, len(D)):
-        inverse.append(-sum(D[i - 1, _PHI, _PHI] * inverse[order - i] for i in range(1, order + 1)) / pivot)
-    for first, second in product(range(1, len(D) + 1), repeat=2):
-        for third in range(len(D) + 1 - first - second):
-            product_of_tails = np.outer(D[first - 1, _PHI], D[second - 1, _PHI])
-            added[first + second + third - 1] -= product_of_tails * inverse[third]
-    return _without_phi(added)
-
-
-def _shared(stack: Stack, added: Array) -> Array:
-    """D = P Delta P^T; (..., 4, 4)."""
     share = np.eye(4)
     share[:, _PHI] -= local(stack)
-    return np.asarray(share @ added @ share.T)
-
-
-def _without_phi(values: Array) -> Array:
-    values[:, _PHI, :] = values[:, :, _PHI] = 0.0
-    return values
+    D, pivot = share @ added @ share.T, stack.media[0].compliance[_PHI, _PHI]
+    out = D - D[:, :, None, _PHI] * D[:, None, _PHI, :] / (pivot + D[:, _PHI, _PHI])[:, None, None]
+    out[:, _PHI, :] = out[:, :, _PHI] = 0.0
+    return np.asarray(out)
 
 
 def lowest(stack: Stack) -> Array:
@@ -123,11 +94,3 @@ def local(stack: Stack) -> Array:
     """Charge v of the electrode per traction on it, of the top layer's half-plane, 0 for phi; (4,)."""
     row = stack.media[0].compliance[_PHI]
     return np.asarray(np.where(np.arange(4) == _PHI, 0.0, row / row[_PHI]))
-
-
-def beyond_local(stack: Stack, k: Array) -> Array:
-    """Layers' and base's part of the charge per traction, ``(Delta_f - v Delta_ff) / (p + Delta_ff)``; (k, 4)."""
-    pivot, row = stack.media[0].compliance[_PHI, _PHI], waves(stack, k)[0].difference[:, _PHI]
-    shares = (row - local(stack) * row[:, _PHI, None]) / (pivot + row[:, _PHI, None])
-    shares[:, _PHI] = 0.0
-    return np.asarray(shares)

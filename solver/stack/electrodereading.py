@@ -7,13 +7,9 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, selected
 from solver.names import CHOICES
-from solver.stack.layers import StackError
 
 #: Indices of the shapes of patches among ``solver.names.CHOICES["patch"]``.
 DISC, STRIP = (CHOICES["patch"].index(name) for name in ("disc", "strip"))
-
-#: Punches under which an electrode cannot be driven: the voltage would move the punch's charge.
-BARE = "below a punch that conducts on a bare surface; electric must be insulating, or electrode top"
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +21,6 @@ class Reading:
     position: Array  # Of the patch's middle from that of the contact [m]
     size: Array | None = None  # Diameter of a disc, width of a strip across x [m]; None: no patches
     pitch: Array | None = None  # Distance of neighbours [m]; None: no neighbours
-    voltage: Array | None = None  # Voltage of the electrode without patches [V]; None: zero
 
     def part(self, places: Indices) -> "Reading":
         """Some of the cases."""
@@ -35,17 +30,6 @@ class Reading:
         """Return the reading with its lengths over `length` [m], (case,)."""
         size, pitch = (None if values is None else values / length for values in (self.size, self.pitch))
         return replace(self, position=self.position / length, size=size, pitch=pitch)
-
-    def refused(self, *, conducts: bool) -> None:
-        """Raise StackError for a voltage below a punch that conducts on a bare surface."""
-        if self.voltage is not None and conducts:
-            raise StackError(f"electrode_voltage: {BARE}")
-
-    def driven(self, quantities: dict[str, Array]) -> dict[str, Array]:
-        """Quantities with the depth under the voltage of the electrode, which moves the whole surface."""
-        if self.voltage is None:
-            return quantities
-        return quantities | {"depth": quantities["depth"] + self.voltage * quantities["electrode_stroke_per_volt"]}
 
     @property
     def reach(self) -> Array:

@@ -6,8 +6,7 @@ down as the fields inside. Its limit at k = 0, the charge of an electrode withou
 Y(k) = A + k C + ....
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -15,17 +14,14 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
 from solver.cache import cached
-from solver.stack.electroded import beyond_local, local
 from solver.stack.fourier import falling
-from solver.stack.grading import extrapolated, staircase
 from solver.stack.layers import Stack, StackError
 from solver.stack.layerwaves import below
 from solver.stack.reflection import waves
-from solver.stack.wavenumbers import strip, wavenumbers
+from solver.stack.wavenumbers import wavenumbers
 
 _TOP, _PHI = -1, 2  # the surface among the interfaces; phi among (x, y, phi, psi)
 _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
-_STAIRCASES = (8, 16, 32, 64)  # of a graded layer: rows to 1e-9 of the largest
 
 
 class FarError(StackError):
@@ -73,16 +69,12 @@ class Electrode:
 
     @property
     def on_top(self) -> bool:
-        """Return whether it lies on the surface: its charge is then :attr:`local` and that carried by waves."""
+        """Return whether it lies on the surface, where it is read as a whole only."""
         return self.interfaces == (_TOP,)
 
     @property
     def width(self) -> float:
         """Exponent of the slowest decay of transfers [m]: they fall like exp(-k width)."""
-        if self.on_top:
-            return strip(self.stack)
-        if self.stack.top.graded:
-            return self._stepped(_STAIRCASES[0]).width
         above = range(self.interfaces[0] + 1)
         return float(sum(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in above))
 
@@ -100,8 +92,6 @@ class Electrode:
     @property
     def capacitance(self) -> float:
         """Capacitance to the next electrodes per area [F m-2], of plates whose layers thicken and do not widen."""
-        if self.stack.top.graded:
-            return 1 / float(self._extrapolated(lambda stepped: np.array(1 / stepped.capacitance)))
         scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
             crossed = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
@@ -110,6 +100,8 @@ class Electrode:
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
         """Wavenumbers [1/m], weights (k,), and rows of charge and sigma_yy for distances up to `reach` [m]."""
+        if self.on_top:
+            raise StackError("patch_size: of the electrode on top; must be absent: a layer of metal on top has patches")
         if reach > _FARTHEST * self.width:
             farthest = _FARTHEST * self.width / self.stack.top.thickness
             raise FarError(f"the patch reaches farther from the contact than is resolved, {farthest:.3g} times that")
@@ -117,16 +109,7 @@ class Electrode:
         return k, weights, self.rows(k)
 
     def rows(self, k: Array) -> Array:
-        """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack.
-
-        On top :attr:`local` is left out, and sigma_yy is 0.
-        """
-        if self.stack.top.graded:
-            if self.on_top:
-                raise StackError("patch_size: of the electrode on top of a film that is graded is not given")
-            return self._extrapolated(lambda stepped: stepped.rows(k))
-        if self.on_top:
-            return np.stack([beyond_local(self.stack, k), np.zeros((k.size, 4))], 1)
+        """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack."""
         layers = waves(self.stack, k)
         t: ComplexArray = np.tile(np.eye(4) + 0j, (k.size, 1, 1))
         out, last = np.zeros((k.size, 2, 4)), len(self.stack.layers) - 1
@@ -147,16 +130,9 @@ class Electrode:
                 break
         return out
 
-    @property
-    def local(self) -> Array:
-        """Charge on top per traction at its own place (of i sigma_xy: its Hilbert transform), else 0; (4,)."""
-        return local(self.stack) if self.on_top else np.zeros(4)
-
     @cached_property
     def whole(self) -> Array:
         """Charge of the electrode without end per total (sigma_yy, D_y, B_y) at the surface; (3,)."""
-        if self.stack.top.graded:
-            return self._extrapolated(lambda stepped: stepped.whole)
         t, charge = np.eye(4)[:, 1:], np.zeros(3)
         held = ((_PHI,) if self.stack.electroded else (), *self.stack.grounded)
         for number, (A, C) in enumerate(_small(self.stack), _TOP):
@@ -169,14 +145,6 @@ class Electrode:
     def stroke(self) -> float:
         """Depth per volt of the whole electrode [m V-1]: reciprocal to its charge per force."""
         return -float(self.whole[0] * self.stack.scale[1] / self.stack.scale[2])
-
-    def _stepped(self, count: int) -> "Electrode":
-        """Electrode of a graded layer's staircase, whose steps meet without electrodes."""
-        return replace(self, stack=staircase(self.stack, count))
-
-    def _extrapolated(self, answer: Callable[["Electrode"], Array]) -> Array:
-        """Value below a graded layer, extrapolated over staircases: it decays, and sees no detail of the surface."""
-        return extrapolated(lambda count: answer(self._stepped(count)), _STAIRCASES)
 
 
 @cached

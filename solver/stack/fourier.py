@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array, ComplexArray, column
+from solver.arrays import Array, ComplexArray
 from solver.halfplane.spectrum import spectrum
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
@@ -33,12 +33,11 @@ class Medium:
 
     material: Material
     scale: Array
-    speed: float = 0.0
 
     @cached_property
     def halfplane(self) -> HalfPlane:
         """The half-plane of this material."""
-        return HalfPlane(self.material, np.array(self.speed)) if self.speed else HalfPlane(self.material)
+        return HalfPlane(self.material)
 
     @cached_property
     def compliance(self) -> Array:
@@ -56,8 +55,6 @@ class Medium:
         """W, Q_s and T^-1; (..., 4, 4) each."""
         scales = self.scale[..., :, None] * self.scale[..., None, :]
         Q, R, T = self.material.generalised_stiffness()
-        if self.speed:
-            Q = Q - column(self.halfplane.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])
         Q, R, T = Q * scales, R * scales, T * scales
         T_inv: Array = np.asarray(np.linalg.inv(T), dtype=np.float64)
         W: Array = MIRROR @ R @ T_inv

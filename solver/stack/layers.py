@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -62,9 +62,6 @@ class Layer:
     electric: str | None = None
     magnetic: str | None = None
 
-    #: Whether the material varies with depth.
-    graded: ClassVar[bool] = False
-
     def __init__(
         self,
         material: Material | str,
@@ -99,12 +96,8 @@ class Stack:
         At least one.
     base
         ``rigid`` (u = 0, phi = 0, bonded) or the material of the half-plane below, or its name.
-    speed
-        Steady speed V >= 0 of the contact along x [m/s]; any but 0 needs the densities.
     electroded
         Whether the surface is a grounded electrode without stiffness, which the punch then presses.
-    unit
-        The material whose units the stack has; None: that of the top layer.
 
     Examples
     --------
@@ -126,9 +119,7 @@ class Stack:
 
     layers: Sequence[Layer]
     base: Material | str = RIGID
-    speed: float = 0.0
     electroded: bool = False
-    unit: Material | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
@@ -139,8 +130,6 @@ class Stack:
         if not isinstance(self.base, str):
             _require_single(self.base, "base")
         *upper, lowest = self.layers
-        if any(layer.graded for layer in self.layers[1:]):
-            raise StackError("layers: only the top layer can be graded")
         for layer in upper:
             if layer.magnetic == "insulated":
                 raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only")
@@ -204,13 +193,13 @@ class Stack:
 
     @cached_property
     def scale(self) -> Array:
-        """Units of the stack, those of its unit; (4,)."""
-        return Medium(self.unit or self.top.material, np.ones(4)).halfplane.scale
+        """Units of the stack, those of its top layer; (4,)."""
+        return Medium(self.top.material, np.ones(4)).halfplane.scale
 
     @cached_property
     def media(self) -> tuple[Medium, ...]:
         """The layers' materials in the units of the stack."""
-        return tuple(Medium(layer.material, self.scale, self.speed) for layer in self.layers)
+        return tuple(Medium(layer.material, self.scale) for layer in self.layers)
 
     @cached_property
     def base_medium(self) -> Medium | None:
@@ -221,7 +210,7 @@ class Stack:
         if base.conductor and 3 in self.grounded[-1] and not (base.f31 or base.f33 or base.f15):
             vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability has no part, not by a bit
             base = replace(base, mu11=vacuum, mu33=vacuum)
-        return Medium(base, self.scale, self.speed)
+        return Medium(base, self.scale)
 
 
 def _metres(thickness: str) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.stack.fourier import FLIP, Medium, falling
-from solver.stack.layers import Stack, StackError
+from solver.stack.layers import Stack
 
 _LONG = 0.1  # kH below which waves above an insulated base are long
 _DEGREE = 24  # of the Taylor polynomial of a layer's transfer at kH = 0.1, whatever its roots
@@ -45,27 +45,12 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
 
     k: (k,), wavenumbers > 0 [1/m].
     """
-    if stack.top.graded:
-        raise StackError("layers: fields outside the contact and below the surface need layers that are not graded")
-    return _recursion(stack, k, 0)[1]
-
-
-def body_below(stack: Stack, k: Array) -> Array:
-    """Y of what lies below the top layer, under the rules of its interface; (k, 4, 4).
-
-    k: (k,), wavenumbers > 0 [1/m].
-    """
-    return held(_recursion(stack, k, 1)[0], stack.grounded[0])
-
-
-def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWaves]]:
-    """Y on the top of the layer ``first``, and the waves of this and the layers below."""
     Y = np.zeros((k.size, 4, 4))
     if stack.base_medium is not None:
         Y += stack.base_medium.compliance
-    waves = []
+    layers = []
     long = (k * stack.thickness < _LONG) & stack.insulated
-    for number in range(len(stack.layers) - 1, first - 1, -1):
+    for number in range(len(stack.layers) - 1, -1, -1):
         medium, thickness = stack.media[number], stack.layers[number].thickness
         before, Y = Y, held(Y, stack.grounded[number])
         compliance = medium.compliance
@@ -80,9 +65,9 @@ def _recursion(stack: Stack, k: Array, first: int) -> tuple[Array, list[LayerWav
             lowest = number == len(stack.layers) - 1
             through = _transfer(medium, k[long] * thickness)
             added[long] = (_above_insulated(through) if lowest else _above(through, Y[long])) - compliance
-        waves.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
+        layers.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
         Y = compliance + added
-    return Y, waves[::-1]
+    return layers[::-1]
 
 
 def _difference(compliance: Array, round_trip: Array) -> Array:

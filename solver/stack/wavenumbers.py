@@ -1,10 +1,9 @@
 """Nodes and weights in the wavenumber k for what a stack adds to its top's half-plane (films, section 3)."""
 
-from functools import cache
-
 import numpy as np
 from scipy.special import erfc
 
+from approximation.chebyshev import legendre_rule
 from solver.arrays import Array
 from solver.stack.layers import Stack
 
@@ -15,17 +14,11 @@ _WAVE_NODES = 16  # a panel, beside those that the phase needs
 _PHASE = 150.0  # the most of a panel: small rules are cheap to find
 _ENDED = 40.0  # thicknesses from which Delta is ended
 _END, _SLOPE = 72.0, 12.0  # k times the distance where it ends, and the width of that: e^-36 of it is left
-_GRADED_END = 2000.0  # largest wavenumber times the thickness of a graded layer
 
 
 def strip(stack: Stack) -> float:
-    """b = 2 h1 g [m]: Delta(k), or what is left of it without its tails, decays like exp(-b k)."""
+    """b = 2 h1 g [m]: Delta(k) decays like exp(-b k)."""
     return 2 * stack.top.thickness * float(stack.media[0].slowest)
-
-
-def graded_strip(stack: Stack) -> float:
-    """Width whose exponential ends where the remainder of a graded layer, which decays like k^-4, is small."""
-    return DECAYED * stack.top.thickness / _GRADED_END
 
 
 def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
@@ -43,7 +36,7 @@ def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
     for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
         parts = int(np.ceil((end - start) * reach / _PHASE))
         half = (end - start) / max(parts, 1) / 2
-        x, w = _gauss(_WAVE_NODES + int(2 * half * reach / 3.2))
+        x, w = legendre_rule(_WAVE_NODES + int(2 * half * reach / 3.2))
         middles = start + half * (2 * np.arange(max(parts, 1)) + 1)
         nodes.append((middles[:, None] + half * x).ravel())
         weights.append(np.tile(half * w, middles.size))
@@ -77,8 +70,3 @@ def panels(stack: Stack, width: float) -> Array:
         ends.append(ends[-1] * _GROWTH)
     ends[-1] = DECAYED / width
     return np.array(ends)
-
-
-@cache
-def _gauss(count: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(count)

@@ -1,17 +1,13 @@
 """Interface of a model: posterior at scaled coordinates, training data, and state in files."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, Self
 
 import xarray as xr
 
 from approximation.arrays import Array, Indices
 from surrogate.data.inputs import Input
-
-#: From the physical coordinates of one point, and whether standard deviations are wanted, to means and them, (p,) each;
-#: None for a point outside of the box.
-Single = Callable[[Sequence[float], bool], tuple[Array, Array | None] | None]
 
 
 class Core(ABC):
@@ -72,10 +68,6 @@ class Core(ABC):
         ValueError
             What is inconsistent, by its name.
         """
-
-    def single(self) -> Single | None:
-        """Return the short way of one query alone, None where there is none."""
-        return None
 
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a model that gives these outputs, and as few others as it can, for less."""

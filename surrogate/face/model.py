@@ -427,14 +427,9 @@ class GaussianProcess(Core):
         """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
         if self.region_ is not None and not extrapolate:
             self.require_answers(X)
-        single = self.single() if len(X) == 1 else None
-        answer = single(X[0].tolist(), return_std) if single else None
-        if answer is not None:
-            mean, std = answer[0][:, None], None if answer[1] is None else answer[1][:, None]
-        else:
-            if not extrapolate:
-                require_inside(X, self.inputs_)
-            mean, std = self.all_mean_std(X, return_std)
+        if not extrapolate:
+            require_inside(X, self.inputs_)
+        mean, std = self.all_mean_std(X, return_std)
         return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)
 
     def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:

@@ -19,11 +19,9 @@ from typing_extensions import override
 from approximation.arrays import Array, Indices
 from surrogate.data.factorial import Factorial, check_levels, complete_factorial
 from surrogate.data.inputs import Input
-from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import Factor, Features, cosine_basis
-from surrogate.gp.singlepoint import SinglePoint
 from surrogate.gp.tensortrain import TensorTrain, compress
 
 # Largest share of the variation along a factor that its amplitude may claim, and the steps of the first, coarse search.
@@ -152,8 +150,6 @@ class GridGP(GaussianProcess):
     order_: tuple[int, ...]
     train_: TensorTrain
     correction_: Correction | None
-    # what a query alone needs, and what it was laid out from
-    _laid_out: tuple[tuple[object, object, object], SinglePoint | None] = ((None, None, None), None)
 
     def __init__(
         self,
@@ -329,13 +325,6 @@ class GridGP(GaussianProcess):
         if weights is None:
             return mean, None
         return mean, self._variance(features, weights)
-
-    def single(self) -> Single | None:
-        """Return the short way of one query alone."""
-        made_of = self.train_, self.correction_, self.calibration_
-        if not all(current is then for current, then in zip(made_of, self._laid_out[0], strict=True)):
-            self._laid_out = made_of, SinglePoint(self)
-        return self._laid_out[1]
 
     @override
     def slopes(self, t: Array) -> Array:

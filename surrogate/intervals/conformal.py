@@ -234,12 +234,12 @@ def _newton(A: Array, y: Array, level: float, width: float, b: Array) -> Array:
     value = cost(residual, b)
     for _ in range(30):
         z = residual / width
-        density = _density(z)
+        near = np.abs(z) < FAR
+        density = _density(z[near])
         if density.sum() < 1e-9:  # no case is near: two clusters, with the quantile between them
             break
         slope = penalty * b - A.T @ (level - scipy.special.ndtr(-z))
-        near = np.abs(z) < FAR
-        root = A[near] * np.sqrt(density[near] / width)[:, None]
+        root = A[near] * np.sqrt(density / width)[:, None]
         curvature = root.T @ root + np.diag(penalty)
         curvature[np.diag_indices_from(curvature)] += 1e-6 * np.trace(curvature) / len(b)
         step = np.linalg.solve(curvature, slope)

@@ -11,10 +11,8 @@ from typing_extensions import override
 from approximation.arrays import Array
 from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
 from surrogate.data.points import EVEN
-from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import KERNEL, GridGP
-from surrogate.gp.singlepoint import Scaled, SingleGuard
 from surrogate.transforms.groups import Grouping
 from surrogate.transforms.outputs import Scales, Scaling
 from surrogate.transforms.transformed import Transformed
@@ -64,8 +62,6 @@ class GroupedGP(Transformed):
     reduced_: GaussianProcess
     grouping: Grouping
     _scales: Scales
-    # the short way of one query alone, and that of the process over the axes which it goes by
-    _laid_out: tuple[Single | None, Single | None] = (None, None)
 
     def __init__(
         self,
@@ -176,30 +172,6 @@ class GroupedGP(Transformed):
         return model
 
     # -- answers -------------------------------------------------------------------------------------------------------
-    def single(self) -> Single | None:
-        """Return the short way of one query alone, where the process over the axes has one."""
-        reduced = self.reduced_.single()
-        if reduced is not None and reduced is not self._laid_out[0]:
-            self._laid_out = reduced, self._alone(reduced)
-        return None if reduced is None else self._laid_out[1]
-
-    def _alone(self, reduced: Single) -> Single:
-        scaled, axes, scales = Scaled(self.inputs_), self.grouping.products, self._scales
-        outer = None if self.calibration_ is None else self.calibration_.outer
-        guard = None if outer is None else SingleGuard(outer)
-
-        def answer(point: Sequence[float], with_std: bool) -> tuple[Array, Array | None] | None:
-            t = scaled(point)
-            learnt = None if t is None else reduced(axes.at(point), with_std)
-            if t is None or learnt is None:
-                return None
-            mean, std = learnt
-            if guard is not None and std is not None:
-                std *= np.exp(guard(t))
-            return scales.at(point, mean, std)
-
-        return answer
-
     @override
     def calibrated_at(self, X: Array) -> Array:
         return self.reduced_.calibrated_at(self.grouping.products.values(X))

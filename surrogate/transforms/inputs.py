@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import prod
 
 import numpy as np
 
@@ -40,9 +39,6 @@ class Axes:
         self.powers = np.stack([row_of(group.powers, inputs) for group in groups])
         self._constants = [group.constant for group in groups]
         self._low, self._high = np.array([(group.axis.low, group.axis.high) for group in groups]).T
-        used = [[(int(k), float(row[k])) for k in np.flatnonzero(row)] for row in self.powers]
-        ends = zip(self._low.tolist(), self._high.tolist(), strict=True)
-        self._alone = list(zip(self._constants, used, ends, strict=True))
 
     def values(self, X: Array) -> Array:
         """Return the axes' values at points (n, d): (n, axes), within their ranges where the points are in the box."""
@@ -51,11 +47,6 @@ class Axes:
         inside = np.clip(U, self._low, self._high)
         near = NEAR * (self._high - self._low)
         return np.asarray(np.where(np.abs(U - inside) <= near, inside, U))  # the ends, met but for rounding
-
-    def at(self, point: Sequence[float]) -> list[float]:
-        """Return the same at one point of the box, (d,)."""
-        products = [constant * prod([point[k] ** power for k, power in used]) for constant, used, _ in self._alone]
-        return [min(max(value, low), high) for value, (_, _, (low, high)) in zip(products, self._alone, strict=True)]
 
     def jacobian(self, X: Array) -> Array:
         """Return the derivatives of the axes' values by the inputs at points (n, d): (axes, d, n)."""

@@ -7,7 +7,6 @@ with scale and added products of powers of the inputs x, and f what is learnt.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import log
 
 import numpy as np
 
@@ -56,9 +55,6 @@ class Scales:
         self.added, self.references = row_of(added, inputs), references
         self._distinct, which = np.unique(self.powers, axis=0, return_inverse=True)
         self._which = which.reshape(-1)
-        used = np.flatnonzero(self._distinct.any(axis=0) | (self.added != 0))
-        self._used = [(int(k), float(references[k])) for k in used]
-        self._rows = np.concatenate([self._distinct, self.added[None]])[:, used]
         self._logarithms = [(int(k), int(self.signs[k])) for k in np.flatnonzero(self.signs)]
 
     def values(self, X: Array) -> Array:
@@ -108,19 +104,6 @@ class Scales:
         X: (n, d); mean: (p, n).
         """
         return np.asarray(np.where(self.signs[:, None] == 0, self.values(X), np.abs(mean)))
-
-    def at(self, point: Sequence[float], mean: Array, std: Array | None) -> tuple[Array, Array | None]:
-        """Return the outputs and their deviations at one point, from those that are learnt.
-
-        mean, std: (p,).
-        """
-        *scales, added = (self._rows @ np.array([log(point[k] / reference) for k, reference in self._used])).tolist()
-        scale = np.exp(scales)[self._which]
-        outputs = mean + self.coefficients * added
-        for k, sign in self._logarithms:
-            outputs[k] = sign * np.exp(sign * outputs[k])
-        outputs *= scale
-        return outputs, None if std is None else std * np.where(self.signs == 0, scale, np.abs(outputs))
 
     def _logarithm(self, X: Array, rows: Array) -> Array:
         """Logarithms of products of powers relative to the reference, (rows, n); only positive inputs occur in them."""

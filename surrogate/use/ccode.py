@@ -123,6 +123,7 @@ class _Context:
             "real": "float" if single else "double",
             "storage": "float" if stored == np.float32 else "double",
             "shift": 1 if single else 4,
+            "near": self.number(1e-4 if single else 1e-9),  # of a slab's width: coordinates differ by rounding
             "largest": "0xFF" if single else "0x7FF",
             **{word: self.number(value) for word, value in {"zero": 0, "one": 1, "minus_one": -1, "two": 2}.items()},
             **{function: f"(float){function}" if single else function for function in ("exp", "sqrt")},

@@ -12,7 +12,6 @@ from typing_extensions import override
 from approximation.arrays import Array
 from approximation.chebyshev import polynomials, slopes
 from surrogate.data.inputs import physical_points
-from surrogate.face.core import Single
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.correction import Correction
 from surrogate.gp.gridgp import GridGP
@@ -66,10 +65,6 @@ class RoundedGP(GridGP):
         ]
         T = [whole[: core.shape[1]] for whole, core in zip(T, self.chebyshev_.cores, strict=True)]
         return self.chebyshev_.gradient(T, S)[np.argsort(self.order_)]
-
-    @override
-    def single(self) -> Single | None:
-        return None
 
 
 @dataclass(frozen=True)

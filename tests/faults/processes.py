@@ -3,10 +3,9 @@
 import os
 import random
 import signal
-import subprocess
-import sys
 import time
 from contextlib import suppress
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Literal
 
@@ -17,23 +16,15 @@ from tests.programs import PATIENCE
 from tests.workflow.conftest import Project
 
 Victim = Literal["job", "snakemake"]
-Run = warm.Running | subprocess.Popen[bytes]
 
 
-def start(project: Project, study: str, *files: str, cold: bool = False) -> Run:
+def start(project: Project, study: str, *files: str) -> BaseProcess:
     """Start `meecontact run`, or Snakemake for some files of the study, in the project's folder; words in `run.log`."""
     command = ["meecontact", "run", study, "--cores", "2"]
     if files:
         command = ["snakemake", "--cores", "2", *(f"results/{study}/{file}" for file in files)]
     log = project.folder / "run.log"
-    if not cold:
-        return warm.Running(command, project.folder, project.modules, (os.devnull, log, log))
-    environment = {**os.environ, "PYTHONPATH": str(project.modules), "OMP_NUM_THREADS": "1"}
-    program = Path(sys.executable).with_name(command[0])
-    with log.open("ab") as output:
-        return subprocess.Popen(
-            [program, *command[1:]], cwd=project.folder, env=environment, stdout=output, stderr=output
-        )
+    return warm.start(command, project.folder, project.modules, (os.devnull, log, log))
 
 
 def working(project: Project) -> list[psutil.Process]:
@@ -46,36 +37,36 @@ def working(project: Project) -> list[psutil.Process]:
     return processes
 
 
-def jobs(run: Run) -> list[psutil.Process]:
-    """Processes of a run that run a rule's script: forks, or Pythons of their own."""
+def jobs(run: BaseProcess) -> list[psutil.Process]:
+    """Forks of a run that run a rule's script."""
     descendants = []
     with suppress(psutil.Error):
         for process in psutil.Process(run.pid).children(recursive=True):
             with suppress(psutil.Error):
-                if any("/.snakemake/scripts/" in word or warm.FORKED in word for word in process.cmdline()):
+                if any(warm.FORKED in word for word in process.cmdline()):
                     descendants.append(process)
     return descendants
 
 
-def kill_within(run: Run, victim: Victim, dice: random.Random) -> bool:
+def kill_within(run: BaseProcess, victim: Victim, dice: random.Random) -> bool:
     """SIGKILL at a random moment after the first job has started; whether there still was something to kill.
 
     Snakemake's jobs are left behind as orphans, as by a killed terminal or the kernel's out-of-memory killer.
     """
-    while run.poll() is None and not jobs(run):
+    while run.is_alive() and not jobs(run):
         time.sleep(0.1)
-    time.sleep(dice.uniform(0, 5 if isinstance(run, subprocess.Popen) else 2))
+    time.sleep(dice.uniform(0, 2))
     if victim == "snakemake":
-        killed = run.poll() is None
+        killed = run.is_alive()
         run.kill()
     else:
-        while not (running := jobs(run)) and run.poll() is None:  # between two jobs
+        while not (running := jobs(run)) and run.is_alive():  # between two jobs
             time.sleep(0.05)
         killed = bool(running)
         if killed:
             with suppress(psutil.NoSuchProcess):
                 dice.choice(running).send_signal(signal.SIGKILL)
-    run.wait()
+    run.join()
     return killed
 
 

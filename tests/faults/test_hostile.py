@@ -117,7 +117,7 @@ TEXTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
 
 @pytest.mark.soakable
 @pytest.mark.parametrize("kind", TEXTS)
-@few_and_many(25, 2000)
+@few_and_many(12, 2000)
 @given(data=st.data())
 def test_spoilt_texts(kind: str, data: st.DataObject, place: Path) -> None:
     valid, file, words = TEXTS[kind]
@@ -126,7 +126,7 @@ def test_spoilt_texts(kind: str, data: st.DataObject, place: Path) -> None:
 
 
 @pytest.mark.soakable
-@few_and_many(60, 3000)
+@few_and_many(30, 3000)
 @given(content=hostile.spoilt(hostile.STUDY))
 def test_studies(content: bytes, place: Path) -> None:
     (place / "config/tiny.yaml").write_bytes(content)

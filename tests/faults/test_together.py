@@ -25,14 +25,15 @@ def test_neither_a_second_run_nor_an_edit_of_the_study_disturbs_the_first(tiny: 
     project, last = tiny("twice"), str(RESULTS / FILES[0])
     study = project.folder / "config/tiny.yaml"
     first = start(project, "tiny", *FILES)
-    while first.poll() is None and not jobs(first):
+    while first.is_alive() and not jobs(first):
         time.sleep(0.1)
     study.write_text(TINY.replace("fibrous", "laminate"), encoding="utf-8")
     for command in (["meecontact", "run", "tiny"], ["snakemake", "--cores", "1", last]):
         second = project.run(*command, check=False)
         assert second.returncode == 1
         assert re.search(r"^study 'tiny' is already being run \(process \d+\): wait", second.stderr, re.MULTILINE)
-    assert first.wait() == 0
+    first.join()
+    assert first.exitcode == 0
     assert contents(project) == contents(undisturbed)
     assert {"slab", "cases", "surrogate"} <= project.planned(last)  # the edit is seen now
     study.write_text(TINY, encoding="utf-8")
@@ -69,30 +70,22 @@ def test_cores_and_slabs_do_not_change_a_digit(tiny: Maker, undisturbed: Project
 
 
 def survives(
-    project: Project,
-    study: str,
-    expected: dict[str, bytes],
-    kills: int,
-    dice: random.Random,
-    *files: str,
-    cold: bool = False,
+    project: Project, study: str, expected: dict[str, bytes], kills: int, dice: random.Random, *files: str
 ) -> dict[str, bytes]:
-    """Kill runs of one study in one folder, jobs and Snakemake in turn; look at the files each time, give the last.
-
-    Runs are whole, or for some files; forks of a warm process, or cold.
-    """
+    """Kill runs of one study in one folder, jobs and Snakemake in turn; look at the files each time, give the last."""
     done = 0
     while done < kills:
-        run = start(project, study, *files, cold=cold)
+        run = start(project, study, *files)
         if kill_within(run, "job" if done % 2 else "snakemake", dice):
             done += 1
-        elif run.returncode == 0:  # it was quicker: begin again
+        elif run.exitcode == 0:  # it was quicker: begin again
             shutil.rmtree(project.folder / "results")
         for name, content in contents(project, study).items():
             hidden = name.rpartition("/")[2].startswith(".")
             assert hidden or content == expected[name], f"{name} after {done} kills"
-    finished = start(project, study, *files, cold=cold)
-    assert finished.wait() == 0, (project.folder / "run.log").read_text(encoding="utf-8")[-4000:]
+    finished = start(project, study, *files)
+    finished.join()
+    assert finished.exitcode == 0, (project.folder / "run.log").read_text(encoding="utf-8")[-4000:]
     wait_for_orphans(project)
     return contents(project, study)
 
@@ -107,10 +100,10 @@ def test_kills_lose_nothing(tiny: Callable[[str], Project], undisturbed: Project
 @pytest.mark.soak
 def test_a_hundred_kills_lose_nothing_of_the_quickstart(copy: Copy) -> None:
     undisturbed = copy("quickstart")
-    undisturbed.run("meecontact", "run", "quickstart", "--cores", "2")
+    undisturbed.run("meecontact", "run", "quickstart", "--cores", "2", cold=True)
     expected = contents(undisturbed, "quickstart")
     killed = copy("killed")
-    assert survives(killed, "quickstart", expected, 100, random.Random(100), cold=True) == expected
+    assert survives(killed, "quickstart", expected, 100, random.Random(100)) == expected
     assert all((killed.folder / "results/quickstart" / name).is_file() for name in NOT_COMPARED)
 
 
@@ -206,7 +199,7 @@ def test_a_full_disk_stops_the_run_and_a_rerun_completes(tiny: Maker, undisturbe
         assert left.items() <= expected.items()
 
 
-def test_an_unwritable_folder_is_named_and_a_rerun_completes(tiny: Maker, undisturbed: Project) -> None:
+def test_an_unwritable_folder_is_named_and_nothing_is_written(tiny: Maker) -> None:
     project = tiny("unwritable")
     results = project.folder / "results"
     for folder in (results, results / "tiny"):
@@ -217,8 +210,6 @@ def test_an_unwritable_folder_is_named_and_a_rerun_completes(tiny: Maker, undist
         assert done.returncode == 1
         assert f"Permission denied: '{folder.relative_to(project.folder)}/" in done.stderr
         assert not [file for file in results.rglob("*") if file.is_file()]
-    project.snakemake(str(RESULTS / "quantities.nc"))  # with nothing there, what follows is any run
-    assert contents(project).items() <= contents(undisturbed).items()
 
 
 @pytest.mark.parametrize("command", ["solve", "query"])

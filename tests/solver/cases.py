@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import solver
+from solver.arrays import Array
 from verification.oracles.precise import Solution
 
 #: A case with every term at work: friction, both charges, a datum that is not one.
@@ -25,6 +26,14 @@ _ZERO = 1e-70  # what the oracle's 100 digits leave of a zero
 def closed_form(out: xr.Dataset) -> list[str]:
     """Names of the variables that come from a closed form."""
     return [str(name) for name in out.data_vars if name not in INTERIOR]
+
+
+def free_body(material: solver.Material, coupling: str = "e") -> tuple[Array, Array]:
+    """Compliance of normal stresses (3, 3) and strain constants (3,), d = s e, by a matrix that is inverted here."""
+    m = material
+    stiffness = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
+    s = np.linalg.inv(stiffness)
+    return s, s @ np.array([getattr(m, f"{coupling}{place}") for place in ("31", "31", "33")], dtype=float)
 
 
 def assert_finite(out: xr.Dataset) -> None:

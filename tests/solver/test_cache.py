@@ -1,4 +1,4 @@
-"""Stored results are bounded by their bytes together; rows that differ; one thread of BLAS while a case is solved."""
+"""Stored results are bounded by their bytes together; one thread of BLAS while a case is solved."""
 
 from functools import cached_property
 from typing import Any
@@ -10,7 +10,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import solver
 from solver import cache
-from solver.arrays import Array, distinct_rows
+from solver.arrays import Array
 from solver.face.cases import Cases
 
 FILM: dict[str, Any] = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "magnetic": "insulating"}
@@ -72,22 +72,6 @@ def test_charges_that_spread_without_end_are_refused_before_their_table_is_made(
     film = solver.Material.from_mapping(weak | {"name": "weak", "eps11": "1e-300 F/m", "eps33": "1e-300 F/m"})
     with pytest.raises(solver.FactorError, match="surroundings: "):
         solver.solve(FILM | {"material": film, "radius": 0.01, "load": 1e4})
-
-
-@pytest.mark.parametrize(
-    "rows",
-    [
-        np.tile([2.0, 1.0], (5, 1)),
-        np.array([[3.0, 7.0, 1.0], [1.0, 7.0, 2.0], [3.0, 7.0, 1.0], [1.0, 7.0, np.inf]]),
-        np.ones((1, 3)),
-    ],
-    ids=["alike", "one column constant", "one row"],
-)
-def test_distinct_rows_are_those_of_every_column_sorted(rows: Array) -> None:
-    computed, which = distinct_rows(rows)
-    distinct, all_of = np.unique(rows, axis=0, return_inverse=True)
-    np.testing.assert_array_equal(computed, distinct)
-    np.testing.assert_array_equal(which, all_of.ravel())
 
 
 def threads() -> set[int]:

@@ -77,7 +77,7 @@ def test_another_file_that_fails_during_a_write_keeps_its_name(tmp_path: Path) -
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_a_killed_writer_leaves_the_old_file_and_what_the_next_run_sweeps(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     write_bytes(path, b"old")

@@ -9,45 +9,11 @@ from scipy.special import ellipe, ellipk
 
 import solver
 from verification.cases import constants
-from verification.oracles.surface import VACUUM, Press, State, body, film, half_space, tensor
+from verification.oracles.sample_materials import hexagonal, lithium_niobate, quartz
+from verification.oracles.surface import Press, State, body, film, half_space, tensor
 
 Array = NDArray[np.float64]
-
-
-def hexagonal(material: str) -> Array:
-    """Generalised stiffness of a material of the library, poled along the normal."""
-    m = constants(solver.find(material))
-    stiffness, piezo = np.diag([0.0, 0.0, 0.0, m["c44"], m["c44"], (m["c11"] - m["c12"]) / 2]), np.zeros((3, 6))
-    stiffness[:3, :3] = [
-        [m["c11"], m["c12"], m["c13"]], [m["c12"], m["c11"], m["c13"]], [m["c13"], m["c13"], m["c33"]]
-    ]  # fmt: skip
-    piezo[2, :3] = m["e31"], m["e31"], m["e33"]
-    piezo[0, 4] = piezo[1, 3] = m["e15"]
-    return tensor(stiffness, piezo, np.diag([m["eps11"], m["eps11"], m["eps33"]]))
-
-
-def niobate(angle: float | None) -> Array:
-    """Generalised stiffness of LiNbO3, a cut turned from Y about X towards Z by an angle in degrees, or Z's."""
-    stiffness = 1e9 * np.array([
-        [203, 53, 75, 9, 0, 0], [53, 203, 75, -9, 0, 0], [75, 75, 245, 0, 0, 0],
-        [9, -9, 0, 60, 0, 0], [0, 0, 0, 0, 60, 9], [0, 0, 0, 0, 9, 75],
-    ])  # fmt: skip
-    piezo = np.array([[0, 0, 0, 0, 3.7, -2.5], [-2.5, 2.5, 0, 3.7, 0, 0], [0.2, 0.2, 1.3, 0, 0, 0]])
-    axes = np.eye(3)
-    if angle is not None:
-        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
-        axes = np.array([[1, 0, 0], [0, s, -c], [0, c, s]])
-    return tensor(stiffness, piezo, VACUUM * np.diag([44, 44, 29]), axes)
-
-
-def quartz() -> Array:
-    """Generalised stiffness of X-cut quartz of R. Bechmann (1958)."""
-    stiffness = 1e9 * np.array([
-        [86.74, 6.99, 11.91, -17.91, 0, 0], [6.99, 86.74, 11.91, 17.91, 0, 0], [11.91, 11.91, 107.2, 0, 0, 0],
-        [-17.91, 17.91, 0, 57.94, 0, 0], [0, 0, 0, 0, 57.94, -17.91], [0, 0, 0, 0, -17.91, 39.875],
-    ])  # fmt: skip
-    piezo = np.array([[0.171, -0.171, 0, -0.0406, 0, 0], [0, 0, 0, 0, 0.0406, -0.171], [0, 0, 0, 0, 0, 0]])
-    return tensor(stiffness, piezo, 1e-12 * np.diag([39.21, 39.21, 41.03]), [[0, 1, 0], [0, 0, 1], [1, 0, 0]])
+PZT, BTO = (constants(solver.find(name)) for name in ("PZT-4", "BaTiO3"))
 
 
 def charge_of_waves(multiplier: NDArray[np.complex128]) -> complex:
@@ -71,7 +37,7 @@ def test_a_sphere_on_an_isotropic_body_is_hertz_s() -> None:
 
 @pytest.mark.parametrize("ratio", [2.0, 3.0])
 def test_an_ellipse_is_hertz_s_with_one_charge_per_force(ratio: float) -> None:
-    whole, force, long = hexagonal("PZT-4"), 10.0, 1e-4
+    whole, force, long = hexagonal(PZT), 10.0, 1e-4
     closed = np.linalg.inv(half_space(whole, 0.0)[0].real[2:, 2:])
     modulus, m, short = 2e11 * closed[0, 0], 1 - 1 / ratio**2, long / ratio
     peak = 3 * force / (2 * np.pi * long * short)
@@ -85,25 +51,25 @@ def test_an_ellipse_is_hertz_s_with_one_charge_per_force(ratio: float) -> None:
 
 def test_multipliers_of_cuts() -> None:
     """Plane punches of theory-surface, computed from Stroh's eigenproblem; waves of 16 thicknesses see a half-space."""
-    along, across = half_space(niobate(None), [0.0, np.pi / 2])
+    along, across = half_space(lithium_niobate(None), [0.0, np.pi / 2])
     assert charge_of_waves(along) == pytest.approx(13.0611, abs=1e-4)
     assert charge_of_waves(across) == pytest.approx(13.3693 - 0.9122j, abs=1e-4)
     angle = 0.4
-    for whole in (niobate(36.0), hexagonal("PZT-4"), quartz()):
+    for whole in (lithium_niobate(36.0), hexagonal(PZT), quartz()):
         expected = half_space(whole, angle)[0]
         np.testing.assert_allclose(film(whole, 16.0, angle)[0, 0], expected, atol=2e-8)  # its polynomials: 5e-9
 
 
 def test_a_film_on_its_material_is_a_half_space() -> None:
     """The electrode between is not seen by heights where nothing is piezoelectric."""
-    whole = niobate(36.0)
+    whole = lithium_niobate(36.0)
     whole[:, :3, 3] = whole[:, 3, :3] = 0.0
     expected = half_space(whole, 0.4)[0]
     np.testing.assert_allclose(film(whole, 0.7, 0.4, whole)[0, 0][:3, :3], expected[:3, :3], atol=1e-10)
 
 
 @pytest.mark.parametrize(
-    ("whole", "charge"), [(niobate(None), 5.30612), (niobate(36.0), 23.30671), (quartz(), 1.97141)]
+    ("whole", "charge"), [(lithium_niobate(None), 5.30612), (lithium_niobate(36.0), 23.30671), (quartz(), 1.97141)]
 )
 def test_thin_films_have_the_charge_of_a_plate(whole: Array, charge: float) -> None:
     assert abs(charge_of_waves(film(whole, 1e-3, 0.3)[0, 0])) == pytest.approx(charge, rel=2e-3)
@@ -112,7 +78,7 @@ def test_thin_films_have_the_charge_of_a_plate(whole: Array, charge: float) -> N
 @pytest.mark.parametrize("reach", [1.0, 8.0])
 def test_a_ball_on_a_film_is_the_point_solver_s(reach: float) -> None:
     """In air the charge beyond the reach is missing: 2e-5 of all of it at 8 radii."""
-    state = Press(body(hexagonal("PZT-4"), thickness=1e-4), (200.0, 200.0), 4.0, reach, end=5e-3, harmonics=2).contact()
+    state = Press(body(hexagonal(PZT), thickness=1e-4), (200.0, 200.0), 4.0, reach, end=5e-3, harmonics=2).contact()
     ball = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "profile": "sphere", "radius": 5e-3, "force": 4.0}
     expected = solver.solve(ball | {"surroundings": "insulated" if reach == 1 else "air", "total_charge": state.charge})
     assert state.charge / 4.0 == pytest.approx(float(expected["charge_per_force"]), rel=5e-5)
@@ -123,7 +89,7 @@ def test_a_ball_on_a_film_is_the_point_solver_s(reach: float) -> None:
 def test_a_sliding_ball_presses_less_with_the_square_of_friction() -> None:
     """docs/limits.md: at one depth -7.5e-4 of the force at 0.3; the force goes as the depth's power 3/2."""
     still, slow, fast = (
-        Press(body(hexagonal("BaTiO3"), friction), (200.0, 200.0), 10.0).contact() for friction in (0.0, 0.3, 0.6)
+        Press(body(hexagonal(BTO), friction), (200.0, 200.0), 10.0).contact() for friction in (0.0, 0.3, 0.6)
     )
     force = [(still.depth / state.depth) ** 1.5 - 1 for state in (slow, fast)]
     assert force[0] == pytest.approx(-7.5e-4, rel=0.02)
@@ -146,18 +112,18 @@ def in_space(state: State, factors: dict[str, Any]) -> None:
 
 
 def test_an_ellipsoid_on_a_film_is_the_solver_s() -> None:
-    state = Press(body(hexagonal("PZT-4"), thickness=1e-4), (200.0, 50.0), 4.0, harmonics=3).contact()
+    state = Press(body(hexagonal(PZT), thickness=1e-4), (200.0, 50.0), 4.0, harmonics=3).contact()
     ellipsoid = {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 20e-3, "surroundings": "insulated"}
     in_space(state, ellipsoid | {"material": "PZT-4", "thickness": 1e-4, "base": "rigid"})
 
 
 def test_a_ball_that_slides_to_every_order_is_the_solver_s() -> None:
-    state = Press(body(hexagonal("BaTiO3"), 0.6), (200.0, 200.0), 10.0).contact()
+    state = Press(body(hexagonal(BTO), 0.6), (200.0, 200.0), 10.0).contact()
     ball = {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 5e-3, "surroundings": "insulated"}
     in_space(state, ball | {"material": "BaTiO3", "friction": 0.6})
 
 
 def test_a_ball_on_a_cut_in_air_is_the_solver_s() -> None:
-    state = Press(body(niobate(36.0)), (200.0, 200.0), 10.0, reach=60.0, end=5e-3, harmonics=2).contact()
+    state = Press(body(lithium_niobate(36.0)), (200.0, 200.0), 10.0, reach=60.0, end=5e-3, harmonics=2).contact()
     cut = {"material": "LiNbO3", "cut": "rotated Y", "cut_angle": np.radians(36)}
     in_space(state, cut | {"profile": "sphere", "radius": 5e-3, "surroundings": "air"})

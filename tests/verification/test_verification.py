@@ -42,10 +42,10 @@ SIZES = {"finite_elements": replace(SMALL, elements=24)}
 #: Of groups of many cases, a few: `make soak` and `make run STUDY=verification` take all of them.
 FEW: dict[str, tuple[ModuleType, dict[str, tuple[object, ...]]]] = {
     "balance": (balance, {"CASES": ("cylinder",)}),
-    "digits": (digits, {"EXTREMES": ("tiny", "coalescing roots")}),
+    "digits": (digits, {"EXTREMES": ("coalescing roots",)}),
     "film_air": (film_air, {"CASES": ("PZT-4 on steel, air",)}),
     "film_elements": (film_elements, {"CASES": ("composite on steel", "BaTiO3 on CoFe2O4 on a rigid base")}),
-    "integral_equations": (integral_equations, {"PUNCHES": ("cylinder", "tilted flat"), "AIRY": ("film",)}),
+    "integral_equations": (integral_equations, {"PUNCHES": ("cylinder", "tilted flat"), "AIRY": ("half-space",)}),
     "points": (points, {"_BASES": ("rigid",)}),
 }  # fmt: skip
 

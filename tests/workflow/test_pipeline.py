@@ -149,7 +149,7 @@ def test_edits_rerun_what_depends_on_them(again: Project) -> None:
 
 
 def test_equal_inputs_give_equal_bytes(ran: Project, again: Project) -> None:
-    """A design, and a job with its Python; figures: run/test_standin.py; other files: faults/test_together.py."""
+    """A design, and a job with its Python; other files: faults/test_together.py."""
     names = [f"results/small/{name}" for name in ("sensitivity.nc", "design/sensor.nc", "design.csv")]
     for name in names:
         (again.folder / name).unlink()
@@ -202,17 +202,3 @@ def test_rulegraph_and_lint(ran: Project) -> None:
     # the pinned virtual environment is the software of every rule: the one finding that is meant to stay
     findings = re.findall(r"^ +\* (.*):$", ran.run("snakemake", "--lint", check=False).stderr, re.MULTILINE)
     assert set(findings) == {"Specify a conda environment or container for each rule."}
-
-
-def test_a_bad_study_ends_with_one_line_and_nothing_written(copy: Copy) -> None:
-    project = copy("bad")
-    study = project.folder / "config/small.yaml"
-    study.write_text(study.read_text(encoding="utf-8").replace("friction:", "fricton:", 1), encoding="utf-8")
-    done = project.run("meecontact", "run", "small", check=False)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert "config/small.yaml: factors.fricton: 'fricton' is not a factor; did you mean 'friction'?" in done.stderr
-    assert not (project.folder / "results").exists()
-    done = project.run("meecontact", "run", "../small", check=False)
-    assert done.returncode == 2
-    assert "study: '../small' is unknown" in done.stderr

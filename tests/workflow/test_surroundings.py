@@ -7,7 +7,7 @@ import pytest
 from solver import solve
 from storage.netcdf import read_whole
 from tests.studies import made
-from workflow.dataset import factorial, slabs
+from workflow.dataset import slabs
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.learning import training
@@ -47,7 +47,6 @@ def test_data_and_design_of_a_study_in_air(tmp_path: Path) -> None:
     assert data.sizes["position"] == 6
     assert float(abs(data["electric_displacement_y"].isel(position=0)).min()) > 0  # beside the contact
     model = training.fit(study, data.drop_dims("position"))
-    model.calibrate(factorial.training_data(study, factorial.cases(study, "calibration")))
     design = targets.solve_target(study, "voltage", model)
     in_air, other = exact.solved(study, {"voltage": design})["designs"]["voltage"]["around"]["quantities"]["voltage"]
     assert in_air / other < 0.95

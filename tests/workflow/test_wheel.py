@@ -67,7 +67,7 @@ print(main(["solve", "cases.csv", "-o", "out.nc"]), main(["run", "quickstart"]))
 """
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_cases_are_solved_without_what_runs_need(tmp_path: Path) -> None:
     (tmp_path / "cases.csv").write_text("material,radius,load\nPZT-4,5 cm,10 kN/m\n", encoding="utf-8")
     done = Project(tmp_path, modules=ROOT).run("python", "-c", SOLVE, cold=True)

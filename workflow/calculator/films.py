@@ -24,8 +24,7 @@ from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
 from solver.face.solution import solve
 from solver.halfplane.sliding import Punch
-from solver.line.powerlaw import constants_of
-from solver.line.windows import Coat, Kind, number_of
+from solver.line.windows import Coat, Kind, constants_of, number_of
 from solver.material.constants import Material
 from solver.material.laws import compose
 from solver.material.library import find

@@ -16,11 +16,8 @@ from surrogate.transforms.measured.corrected import CorrectedGP
 from workflow.cli import questions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import named, say, trained
-from workflow.language.given import size
-from workflow.language.renamed import renamed
 from workflow.language.spelling import nearest
 from workflow.learning import correction
-from workflow.learning.instruments import Instrument
 from workflow.study import categories, uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError, located, number, one_line
@@ -121,9 +118,8 @@ def learn(options: argparse.Namespace) -> None:
         raise InputError(f"{options.on}: is corrected already; learn from all rows at once, on the surrogate before")
     rows = read_measured(options.measured, study, model)
     constants = uncertainty.uncertain(study, _uncertain(options.uncertain))
-    instruments = _instruments(renamed(options.instrument, study.outputs), study)
     with located(options.measured, InputError):
-        corrected, summary = correction.learn(study, model, rows, constants, say, instruments)
+        corrected, summary = correction.learn(study, model, rows, constants, say)
     save(corrected, path)
     words = "\n".join(map(one_line, summary.lines))
     print(json.dumps(summary.plain, indent=2, allow_nan=False) if options.json else words)
@@ -145,22 +141,3 @@ def _share(option: str, name: str, text: str) -> float:
     if not 0 < share <= 0.5:
         raise InputError(f"{option}: {name}: {text!r} is not a number above 0 and up to 0.5 (50 %)")
     return share
-
-
-def _instruments(words: list[str] | None, study: Study) -> list[Instrument]:
-    """``QUANTITY_gain=3%`` and ``QUANTITY_offset=0.1um`` between commas: what readings may be off by."""
-    instruments: list[Instrument] = []
-    for name, text in named("--instrument", words).items():
-        quantity, _, family = name.rpartition("_")
-        if family not in ("gain", "offset") or quantity not in study.outputs:
-            known = ", ".join(study.outputs)
-            raise InputError(f"--instrument: {name!r} is not QUANTITY_gain or QUANTITY_offset of one of {known}")
-        if family == "gain":
-            instruments.append(Instrument(quantity, True, _share("--instrument", name, text)))
-            continue
-        with located(f"--instrument: {name}"):
-            absolute, _ = size(quantity, text)
-        if not 0 < absolute < float("inf"):
-            raise InputError(f"--instrument: {name}: {text!r} is not a positive size with a unit, as '0.1 um'")
-        instruments.append(Instrument(quantity, False, absolute, ALL_QUANTITIES[quantity].units))
-    return instruments

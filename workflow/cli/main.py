@@ -255,11 +255,6 @@ COMMANDS = {
         _option("measured", type=Path, metavar="MEASURED.csv"),
         _option("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc"),
         _repeated("--uncertain", "NAME[=5%],...", "'BaTiO3 permittivity', 'BaTiO3 e33', 'steel modulus'"),
-        _repeated(
-            "--instrument",
-            "QUANTITY_gain=3%,...",
-            "'voltage_gain=3%%', 'depth_offset=0.1um': what readings may be off by, all alike; one standard deviation",
-        ),
         _option(
             "-o",
             "--output",

@@ -10,7 +10,7 @@ import json
 import os
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
 from itertools import pairwise, product
 from math import prod
@@ -22,7 +22,6 @@ import xarray as xr
 
 from approximation.arrays import Array
 from storage.described import standard
-from storage.files import write_text
 from storage.netcdf import CHECKSUM, read_whole, write_whole
 from storage.sealed import PARTIAL, FormatError
 from workflow.run import lock, provenance
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
 FOLDER, MOST_BYTES = ".solved", 2**31
 #: Attribute of an answer: the digest of all that it depends on, which also names its file.
 CASE = "case_sha256"
-_OF_CASES, _TALLIES = "cases", "taken"
+_OF_CASES = "cases"
 _DAY = 86400.0
 #: Cases of a list that the solver is asked for at once, where none needs tables of its own: they share some.
 AT_A_TIME = 50
@@ -48,10 +47,9 @@ _Part = dict[str, slice]
 class CaseCache:
     """Cache beside the results, for one job, with the counts of cases requested and taken from it."""
 
-    def __init__(self, results: Path, output: Path) -> None:
+    def __init__(self, results: Path) -> None:
         self.folder = results / FOLDER
         self.cases = self.taken = 0
-        self._tally = self.folder / _TALLIES / output.relative_to(results).with_suffix(".json")
 
     def around(self, study: Study, solved: Solved, options: Mapping[str, Any]) -> Solved:
         """Return a function that solves cases piece by piece and takes stored pieces from the cache."""
@@ -66,16 +64,6 @@ class CaseCache:
             return answers[0] if len(answers) == 1 else assembled(list(zip(parts, answers, strict=True)), sizes(cases))
 
         return whole
-
-    def tell(self) -> None:
-        """Log how many cases were solved before, and leave it where `taken` finds it."""
-        if self.cases:
-            log.info("%d of %d cases were solved before", self.taken, self.cases)
-            try:
-                self._tally.parent.mkdir(parents=True, exist_ok=True)
-                write_text(self._tally, json.dumps({"cases": self.cases, "taken": self.taken}) + "\n")
-            except OSError as error:  # no result is lost by it
-                log.warning("how many cases were solved before is not kept: %s", error)
 
     def _piece(self, solved: Solved, question: str, cases: Mapping[str, xr.DataArray]) -> xr.Dataset:
         """The answer of one piece, from its file if that is whole."""
@@ -96,22 +84,11 @@ class CaseCache:
 
 @contextmanager
 def of(job: "Snakemake") -> Iterator[CaseCache]:
-    """The cache for a job, whose rule has the wildcard ``study``; in the end it tells how many cases were in it."""
-    output = Path(job.output[0])
-    cache = CaseCache(lock.results(job.wildcards.study, output), output)
+    """The cache for a job, whose rule has the wildcard ``study``; in the end it logs how many cases were in it."""
+    cache = CaseCache(lock.results(job.wildcards.study, Path(job.output[0])))
     yield cache
-    cache.tell()
-
-
-def taken(results: Path, study: str) -> dict[str, int]:
-    """Number of cases of a study's files that were asked for piece by piece, and of those that were solved before."""
-    folder, tally = results / FOLDER / _TALLIES / study, {"cases": 0, "taken": 0}
-    for file in sorted(folder.rglob("*.json")):
-        if (results / study / file.relative_to(folder)).with_suffix(".nc").is_file():
-            with suppress(OSError, ValueError, LookupError, TypeError):  # a tally is no result: half of one is left out
-                counts = json.loads(file.read_text(encoding="utf-8"))
-                tally = {name: count + int(counts[name]) for name, count in tally.items()}
-    return tally
+    if cache.cases:
+        log.info("%d of %d cases were solved before", cache.taken, cache.cases)
 
 
 def sweep(results: Path, most: int = MOST_BYTES) -> None:

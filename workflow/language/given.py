@@ -29,7 +29,6 @@ _USUAL: dict[str, tuple[float, float, str]] = {
     "total_charge": (1e-21, 1e-3, "pC"),
     "magnetic_charge": (1e-15, 10.0, "uWb/m"),
     "total_flux": (1e-18, 1.0, "nWb"),
-    "electrode_voltage": (1e-12, 1e6, "mV"),
     "speed": (1e-15, 1e5, "mm/s"),
     "base_modulus": (1e4, 1e14, "GPa"),
     "punch_modulus": (1e4, 1e14, "GPa"),

@@ -1,6 +1,6 @@
 """Measured rows correct a study's surrogate, through the effects of uncertain constants and discrepancies."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -19,13 +19,10 @@ from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.use import learning
 from surrogate.use.learning import ROUNDS, Learnt
 from workflow.dataset import draws, factorial
-from workflow.learning.instruments import Instrument, shown
 from workflow.study import categories, uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError, located
 from workflow.study.uncertainty import Constant, concerned, members, moved
-
-Unknown = Constant | Instrument
 
 #: Posterior over prior standard deviation: above it nothing was learned, below it a combination is well known.
 UNTOLD, TOLD = 0.8, 0.5
@@ -52,7 +49,7 @@ class Summary:
         cls,
         posterior: Learnt,
         rows: Measurements,
-        unknown: list[Unknown],
+        unknown: list[Constant],
         single: Flags,
         model: GaussianProcess,
         nominal: Array,
@@ -138,7 +135,7 @@ def _verdict(what: str, odds: float) -> dict[str, Any]:
     return {"what": what, "odds": min(max(odds, 1 / ROUNDS), float(ROUNDS)), "verdict": verdict}
 
 
-def _constants(posterior: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
+def _constants(posterior: Learnt, constants: list[Constant]) -> list[dict[str, Any]]:
     rows = zip(constants, posterior.mean.tolist(), posterior.contraction.tolist(), strict=True)
     return [
         {
@@ -149,7 +146,7 @@ def _constants(posterior: Learnt, constants: list[Unknown]) -> list[dict[str, An
     ]  # fmt: skip
 
 
-def _combinations(posterior: Learnt, constants: list[Unknown]) -> list[dict[str, Any]]:
+def _combinations(posterior: Learnt, constants: list[Constant]) -> list[dict[str, Any]]:
     """Directions that the rows know well though no constant in them is known alone."""
     known = []
     for contraction, direction in zip(posterior.directions[0], posterior.directions[1].T, strict=True):
@@ -262,7 +259,6 @@ def learn(
     rows: Measurements,
     constants: list[Constant],
     say: Callable[[str], None] = lambda message: None,
-    instruments: Sequence[Instrument] = (),
 ) -> tuple[CorrectedGP, Summary]:
     """Correct a study's surrogate by measured rows."""
     count = len(np.unique(rows.row))
@@ -272,16 +268,12 @@ def learn(
     lower, upper = model.interval_array(rows.points, NOMINAL)
     mean = nominal[rows.row, rows.output]
     _check_size(model, rows, mean)
-    for device in instruments:
-        if not device.measures(model, rows).any():
-            raise InputError(f"--instrument: {device.name}: no row holds a measured {device.quantity}")
     singles = uncertainty.own(study, constants)
-    all_constants, count = [*constants, *singles], len(constants) + len(singles)
-    effects = ConstantEffects(study, model, all_constants, say, [instrument.name for instrument in instruments])
+    unknown = [*constants, *singles]
+    effects = ConstantEffects(study, model, unknown, say)
     own_error = np.maximum(upper - nominal, nominal - lower)[rows.row, rows.output] / Normal().ends(NOMINAL)[1, 0]
     spread = np.hypot(own_error, effects.error[rows.output])
     latest: list[GaussianProcess] = []
-    unknown: list[Constant | Instrument] = [*all_constants, *instruments]
     single = np.array([constant in singles for constant in unknown], np.bool_)
 
     def forward(z: Array) -> tuple[Array, Array]:
@@ -290,7 +282,7 @@ def learn(
         latest[:] = [effects.at(z)]
         predicted = latest[0].predict_array(rows.points).reshape(len(rows.points), len(model.outputs_), -1)
         own_error = predicted[rows.row, rows.output]
-        return shown(list(instruments), model, rows, z[count:], mean + own_error[:, 0], own_error[:, 1 : count + 1])
+        return mean + own_error[:, 0], own_error[:, 1:]
 
     try:
         posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
@@ -353,9 +345,8 @@ class ConstantEffects:
         model: GaussianProcess,
         constants: list[Constant],
         say: Callable[[str], None],
-        silent: Sequence[str] = (),
     ) -> None:
-        self._study, self._model, self._constants, self._say, self._silent = study, model, constants, say, silent
+        self._study, self._model, self._constants, self._say = study, model, constants, say
         self._levels = _levels(study, model)
         tables = int(np.prod([len(self._levels[name]) for name in study.tabled])) * len(study.combinations)
         solved = sum(not self._parts(constant) for constant in constants)
@@ -377,7 +368,6 @@ class ConstantEffects:
 
     def at(self, z: Array) -> GridGP:
         """The change of every output at scaled constants, then its derivative by each unknown, for every output."""
-        z = z[: len(self._constants)]
         if self._latest is not None and np.array_equal(z, self._latest[0]):
             return self._latest[1]
         exact = self._exact(z) if np.any(z) else self._start
@@ -389,7 +379,6 @@ class ConstantEffects:
             parts[f"{name}: change"] = exact[name] - self._start[name]
             for constant, slope in zip(self._constants, self._slopes, strict=True):
                 parts[f"{name}: {constant.name}"] = slope[name]
-            parts |= {f"{name}: {silent}": xr.zeros_like(exact[name]) for silent in self._silent}
         self._latest = z.copy(), self._fitted(parts)
         return self._latest[1]
 

@@ -16,10 +16,10 @@ from solver.names import AIR, ANGLED_CUTS, CHOICES, COMPOSITES, FORMULAS, MIXTUR
 from solver.stack.layers import RIGID
 from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.leftout import LeftOut
+from workflow.design.verdict.leftout import LeftOut, largest
 from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
-from workflow.design.wording.words import BEYOND, UNREACHABLE, WITHIN, Verdict, verdict, within
+from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, Verdict, verdict, within
 from workflow.language import given, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -319,7 +319,8 @@ def card(
     reached = "within the tolerances {} reaches {} % of the {}" if bands else "{} is {} % of the {}"
     share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
     stops = [*(words for words, _ in beyond)] or [share] * bool(share)
-    usual = "within linear theory" if not bands or nearest is None else within(left_out, {"signal", "stress"})
+    usual = "within linear theory" if not bands or nearest is None else RECOMMENDED
+    moved = {"signal", "stress"}
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
     charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["output"]), "V", 3)
@@ -335,8 +336,8 @@ def card(
         does=unbroken(f"{shown(signal['force'], 'N', 3)} gives a charge of {read}{_fading(signal['time_constant'])}"),
         stops=unbroken(f"{capital('; '.join(stops))}."),
         doubt=doubted(signal_study),
-        verdict=BEYOND if beyond else usual,
-        good=not (beyond or usual.startswith(WITHIN)),
+        verdict=within(left_out, moved, BEYOND if beyond else usual),
+        good=not (beyond or largest(left_out, moved)),
         left_out=left_out,
         drawing=element(
             device.draw(of_case(signal_study, case, {name: float(values[0]) for name, values in held.items()}), built),

@@ -20,18 +20,11 @@ log = logging.getLogger("meecontact")
 
 
 def start(script: Mapping[str, Any]) -> "Snakemake":
-    """Return Snakemake's job of a script from its ``globals()``, with its log; a stand-in if it runs alone."""
+    """Return Snakemake's job of a script from its ``globals()``, with its log."""
     warnings.simplefilter("ignore", SmallStrainWarning)  # a verdict says it of designs
-    if "snakemake" in script:
-        job: Snakemake = script["snakemake"]
-        _log_to(job.log[0])
-        sources.check(lock.sources(Path(job.output[0])), script["__file__"])
-        bind(job)
-        return job
-    from workflow.run import standin  # all of Snakemake: seconds, and not for its own jobs
-
-    logging.basicConfig(level=logging.INFO, format="%(levelname)s %(name)s: %(message)s")
-    job = standin.job(Path(script["__file__"]), *sys.argv[1:2])
+    job: Snakemake = script["snakemake"]
+    _log_to(job.log[0])
+    sources.check(lock.sources(Path(job.output[0])), script["__file__"])
     bind(job)
     return job
 

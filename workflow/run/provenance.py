@@ -89,9 +89,7 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 
-def write(
-    path: Path, study: str, study_digest: str, seed: int, results: list[Path], solved: Mapping[str, int] | None = None
-) -> None:
+def write(path: Path, study: str, study_digest: str, seed: int, results: list[Path]) -> None:
     """Write ``provenance.json``: versions, hashes of sources, study and results, the seed and the machine."""
     content = {
         "study": study,
@@ -101,7 +99,6 @@ def write(
         "versions": versions(),
         "platform": platform.platform(),
         "results_sha256": {file.name: sha256(file).hex() for file in results},
-        **({"solved": dict(solved)} if solved and solved["cases"] else {}),
     }
     write_text(path, json.dumps(content, indent=2) + "\n")
 

@@ -17,7 +17,8 @@ if config.signal.case:
     )
     held = {**contact.fixed, contact.kind.loads.force: config.signal.force / pressed.length(contact)}
     noise, band = float(shown["noise_force"]), float(shown["charge_spread"])
-    shown = shown.merge(netcdf.left_out(leftout.budget(leftout.of_study(contact, held, noise, band))))
+    single = leftout.of_study(contact, held, noise, band, config.signal.hold)
+    shown = shown.merge(netcdf.left_out(leftout.budget(single)))
 else:
     answer = netcdf.read(Path(snakemake.input[0]))
     case = {**config.fixed, **answer.combination, **answer.case}

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from workflow.dataset import casecache
 from workflow.run import joblog, lock, provenance
 from workflow.study import location
 
@@ -10,8 +9,7 @@ snakemake = joblog.start(globals())
 results = [Path(result) for result in snakemake.input]
 name, output = snakemake.wildcards.study, Path(snakemake.output.provenance)
 study = location.from_results(name, output.parent)
-solved = casecache.taken(output.parents[1], name)
-provenance.write(output, study, snakemake.params.study, snakemake.params.seed, results, solved)
+provenance.write(output, study, snakemake.params.study, snakemake.params.seed, results)
 begun = lock.begun(name, output.parents[1])  # an edit during the run is not in the crate
 text = begun["text"] if begun else location.location(name).read_text(encoding="utf-8")
 provenance.write_crate(output.parent, name, snakemake.params.title, text, [*results, output], snakemake.params.last)

@@ -11,7 +11,6 @@ from typing import Any, Self
 from pydantic import ValidationError, model_validator
 
 from solver import Material
-from solver.line.powerlaw import SMOOTH
 from workflow.language.renamed import renamed_study
 from workflow.study import defaults, layered
 from workflow.study.consistency import check_quantities
@@ -56,14 +55,6 @@ class Study(Contents):
             if name in self.factors or name in self.categories:
                 part = "factors" if name in self.factors else "categories"
                 raise ValueError(f"fixed: {name}: is one of the {part} already")
-        if self.dataset.peaks and "base_volume_fraction" in {*self.factors, *self.fixed}:
-            raise ValueError("dataset: peaks: are not given of a film that is graded; must be false")
-        exponent = self.factors.get("grading_exponent")
-        if exponent and exponent.low < SMOOTH:
-            raise ValueError(
-                f"factors: grading_exponent: {exponent.low:g} to {exponent.high:g} holds values that are not 1, 2, 3 "
-                f"or >= {SMOOTH:g} [1]; an axis must be >= {SMOOTH:g}"
-            )
         if self.body and not self.factors:
             raise ValueError("body: a study without factors has none")
         layered.check(self.body, self.fixed, {name: (axis.low, axis.high) for name, axis in self.factors.items()})

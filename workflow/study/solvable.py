@@ -171,7 +171,7 @@ def lacked(study: Contents) -> frozenset[str]:
     peaks = set(study.kind.peaks)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
         peaks -= {name for name in peaks if name.startswith("base_")}
-    if len(study.body) > 1:
+    if len(study.body) > 1 or "base_volume_fraction" in {*study.factors, *study.fixed}:
         peaks -= {name for name in peaks if name.startswith("film_")}
     return frozenset(set(ALL_QUANTITIES) - set(solved.data_vars) - peaks)
 

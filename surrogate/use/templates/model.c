@@ -279,32 +279,35 @@ static real output_of(const table *of, const real x[INPUTS], real learnt, real *
     return value;
 }
 
-/* The largest guard of the slabs and corners that hold a point. */
+/* The slab of a scaled coordinate, shifted by a share of its width. */
+static int slab(real t, real shift)
+{
+    return (int)within((t + {{ one }}) / {{ two }} * (real)SLABS + shift, {{ zero }}, (real)(SLABS - 1));
+}
+
+/* The largest guard of the slabs and corners that hold a point; where slabs meet, of both. */
 static real guarded(const float slabs[], const float corners[], const real t[], int count, int *corner)
 {
-    real largest = {{ minus_one }}, coordinate;
-    int slab, edge, before, i, j, pair = 0;
+    real largest = {{ minus_one }}, guard;
+    int below, above, edge, end, i, j, pair = 0;
 
     *corner = 0;
     for (i = 0; i < count; i++) {
-        coordinate = (t[i] + {{ one }}) / {{ two }} * (real)SLABS;
-        slab = (int)coordinate;
-        slab = (slab > SLABS - 1) ? SLABS - 1 : slab;
-        if ((real)slabs[i * SLABS + slab] > largest) {
-            largest = (real)slabs[i * SLABS + slab];
+        for (above = -1; above < 2; above += 2) {
+            guard = (real)slabs[i * SLABS + slab(t[i], (real)above * {{ near }})];
+            largest = (guard > largest) ? guard : largest;
         }
     }
     for (i = 0; i < count; i++) {
+        below = (slab(t[i], -{{ near }}) == 0);
+        above = (slab(t[i], {{ near }}) == SLABS - 1);
         for (j = i + 1; j < count; j++) {
-            before = (int)((t[i] + {{ one }}) / {{ two }} * (real)SLABS);
-            edge = (int)((t[j] + {{ one }}) / {{ two }} * (real)SLABS);
-            if (((before == 0) || (before >= SLABS - 1)) && ((edge == 0) || (edge >= SLABS - 1))) {
-                const real guard = (real)corners[4 * pair + ((before > 0) ? 2 : 0) + ((edge > 0) ? 1 : 0)];
-
+            edge = (slab(t[j], -{{ near }}) == 0);
+            end = (slab(t[j], {{ near }}) == SLABS - 1);
+            if ((below || above) && (edge || end)) {
+                guard = (real)corners[4 * pair + (above ? 2 : 0) + (end ? 1 : 0)];
                 *corner = 1;
-                if (guard > largest) {
-                    largest = guard;
-                }
+                largest = (guard > largest) ? guard : largest;
             }
             pair++;
         }

@@ -23,7 +23,7 @@ TABLE: list[dict[str, Any]] = [
 
 def test_a_half_plane_in_no_air_is_the_closed_form() -> None:
     """A gap of next to no permittivity; at the edge, where D_y is infinite without it, it is only next to none."""
-    options = {"speed": 100.0, "punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}
+    options = {"punch": "steel", "radius": [0.02, 0.05], "datum": 0.3}
     exact, computed = solver.solve(LINE | options), solver.solve(LINE | AIR | options | {"gap_permittivity": 1e-16})
     gone = {f"{field}_edge_intensity_{edge}" for field in ("electric", "magnetic") for edge in ("trailing", "leading")}
     assert set(computed.data_vars) - gone == set(exact.data_vars) - gone | GAP_QUANTITIES.keys() | {
@@ -40,6 +40,18 @@ def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> N
         assert float(computed[name]) == pytest.approx(float(exact[name]), rel=1e-9), name
     assert abs(float(computed["voltage"] / exact["voltage"])) < 0.95
     assert float(computed["capacitance_at_load"]) == pytest.approx(float(computed["capacitance_per_length"]), rel=1e-9)
+
+
+@pytest.mark.parametrize("sliding", [{}, {"friction": 0.3}])
+def test_a_load_alone_has_the_quantities_that_it_has_in_a_sweep(sliding: dict[str, Any]) -> None:
+    """Alone it reads a narrow table of other half-lengths, in a sweep one of half a decade, which errs by 3e-7."""
+    loads = np.geomspace(1e4, 4e4, 7)
+    sweep = solver.solve(FILM | sliding | {"load": xr.DataArray(loads, dims="load")})
+    for load in loads.tolist():
+        alone = solver.solve(FILM | sliding | {"load": load})
+        for name in ("contact_leading", "peak_pressure", "voltage", "voltage_per_load", "gap_field"):
+            assert float(alone[name]) == pytest.approx(float(sweep[name].sel(load=load)), rel=1e-6), name
+            assert float(alone[name]) != float(sweep[name].sel(load=load)), "both read the same table"
 
 
 BALL: dict[str, Any] = {

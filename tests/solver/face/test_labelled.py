@@ -80,7 +80,6 @@ TABLE = pd.DataFrame(
     index=["a", "b", "c"],
 )
 CASE: dict[str, Any] = {"material": "PZT-4", "radius": 0.05, "load": 1e4}
-MASKED = np.ma.array([0.05, 1e37], mask=[False, True])
 
 
 @pytest.mark.parametrize("table", [TABLE, TABLE.to_dict("records"), TABLE.astype({"material": "category"})])
@@ -210,15 +209,6 @@ def test_a_heading_may_have_a_unit() -> None:
 def test_what_is_no_table_of_cases_is_refused(table: Any, word: str) -> None:
     with pytest.raises(solver.FactorError, match=word):
         solver.solve(table)
-
-
-@pytest.mark.parametrize("radius", [MASKED, list(MASKED), np.ma.masked, np.ma.array([1, 9], mask=[False, True])])
-def test_a_masked_factor_is_refused_as_nan_is(radius: Any) -> None:
-    case = CASE | {"radius": radius}
-    with pytest.raises(solver.FactorError, match="radius: nan is not"):
-        solver.solve(case)
-    with pytest.raises(solver.FactorError, match="radius: nan is not"):
-        solver.solve_interior(case, [0.0], [-0.5])
 
 
 def test_masked_names_positions_and_constants_are_refused() -> None:

@@ -28,9 +28,7 @@ MIX: Case = BARE | {"volume_fraction": 0.5, "thickness": 0.2e-3, "radius": 0.05,
 GRADED = MIX | {"volume_fraction": 0.2, "base": "steel", "base_volume_fraction": 0.5}
 BALL: Case = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 ON_FILM = BALL | BARE | {"thickness": 1e-4, "base": "rigid"}
-GRADED_BALL = without(ON_FILM, "material") | {"volume_fraction": 0.2, "base_volume_fraction": 0.8, "base": "steel"}
 STACK = Stack([Layer(BTO, 1e-4)])
-GRADED_STACK = Stack([solver.Graded(lambda z: solver.fibrous(BTO, solver.find("CoFe2O4"), 0.2 + 0.6 * z), 1e-4)])
 ON_STACK = LINE | BARE | {"body": STACK, "material": None}
 READ: Case = {"body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)]), "collector": 1, "material": None}
 PATCH = BALL | BARE | READ | {"patch_size": 1e-3}
@@ -85,26 +83,18 @@ REFUSED: dict[str, Case] = {
     "contact: radius over thickness 1": ON_FILM | {"base": "steel", "thickness": 4e-6},
     "base_volume_fraction: 1.2 is not a finite number": GRADED | {"base_volume_fraction": 1.2},
     "grading_exponent: 0.5 is": GRADED | {"grading_exponent": 0.5},
-    "grading_exponent: 1.5 is not 1, 2, 3 or >= 4": GRADED | {"grading_exponent": 1.5},
     "grading_exponent: 2 without a base_volume_fraction": MIX | {"base": "steel", "grading_exponent": 2.0},
     "base_volume_fraction: 0.5 without a thickness": without(GRADED, "thickness", "base"),
+    "base_volume_fraction: 0.5 grades a film below a contact in space": without(
+        GRADED, "radius", "load", "surroundings"
+    ) | {"profile": "ellipsoid", "radius_x": 0.01, "radius_y": 0.02, "force": 1.0},
     "base_volume_fraction: 0.5 without a volume_fraction": FILM | {"base_volume_fraction": 0.5},
-    "interface_magnetic: 'insulated' is not allowed below a graded layer": GRADED | {
-        "base": "rigid", "interface_magnetic": "insulated"
-    },
     "body: 'steel' is no solver.Stack": ON_STACK | {"body": "steel"},
     "material: beside a body": ON_STACK | {"material": "BaTiO3"},
     "base: beside a body": ON_STACK | {"base": "steel"},
     "contact: wider than the resolved range, ": ON_STACK | {"body": Stack([Layer(BTO, 1e-9)])},
     # speeds
-    "speed: 5000 m/s is not below the first critical speed of the film, 2758.22 m/s": FILM | {"speed": 5e3},
-    "speed: 2900 m/s is not below the first critical speed of the film, 2": FILM | {"base": "steel", "speed": 2900.0},
-    "speed: 900 m/s is not below the first critical speed of the film, 745.3": FILM | {
-        "base": "polyimide", "speed": 900.0
-    },
-    "speed: base: rho: missing; a speed needs": FILM | {
-        "base": "", "base_modulus": 1e11, "base_poisson": 0.3, "speed": 1.0
-    },
+    "speed: 1 m/s of what is no half-plane without air": FILM | {"speed": 1.0},
     # what is beside the contact
     "surroundings: 'water' is not one of insulated, air": LINE | {"surroundings": "water"},
     "surroundings: 'air' is not allowed: the punch conducts no field": LINE | AIR | {
@@ -120,8 +110,7 @@ REFUSED: dict[str, Case] = {
     },
     "speed: 3000 m/s is not below the limiting speed 2903.13 m/s": LINE | {"material": "steel", "speed": [0.0, 3e3]},
     "speed: needs the density rho": LINE | {"material": solver.Material.isotropic(2e11, 0.3), "speed": 1.0},
-    "speed: 10000 m/s is not below the limiting speed": LINE | AIR | {"speed": 1e4},
-    "surroundings: 'air' is not allowed: the film is graded": GRADED | AIR,
+    "speed: 100 m/s of what is no half-plane without air": LINE | AIR | {"speed": 100.0},
     "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
@@ -144,19 +133,9 @@ REFUSED: dict[str, Case] = {
     "slope: 1e+09 is 90 degrees from the surface; must be <= 1, 45 degrees": without(BALL, "radius") | {
         "profile": "cone", "slope": 1e9
     },
-    # points on graded films
-    "base_volume_fraction: 0.8 grades": GRADED_BALL | AIR,
-    "base_volume_fraction: 0.8 grades a film below a point contact": GRADED_BALL,
-    "body: 'fibrous BaTiO3 in CoFe2O4 0.0001 m | rigid' grades a film": BALL | {
-        "body": GRADED_STACK, "material": None
-    },
     # electrodes
     "collector: 3 is not one of the 2 electrodes of": BALL | BARE | READ | {"collector": 3},
-    "friction: of a point contact on patches of the electrode on top; must be 0": PATCH | {
-        "friction": 0.1, "electrode": "top", "electric": "insulating"
-    },
-    "electrode_voltage: below a punch that conducts on a bare surface": BALL | BARE | READ | {"electrode_voltage": 3.0},
-    "collector: missing; electrode_voltage needs it": ON_FILM | {"electrode_voltage": 3.0},
+    "patch_size: of the electrode on top; must be absent": PATCH | {"electrode": "top", "electric": "insulating"},
     "collector: 1.5 is not a whole number >= 1 [1]": BALL | BARE | READ | {"collector": 1.5},
     "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour": PATCH | {"patch_pitch": 9e-4},
     "patch_size: 1e+04 thicknesses of the top layer; the patch reaches farther ": PATCH | {"patch_size": 1.0},
@@ -221,11 +200,7 @@ SINGLE: list[tuple[str, str, Case]] = [
     ("radius: 0 is not", "", LINE | {"radius": xr.DataArray([[0.1, 0.2], [0.3, 0.0]], dims=("a", "b"))}),
     ("volume_fraction: 1.5 is not", "", MIXED | {"volume_fraction": [0.0, 1.0, 1.5]}),
     # names
-    ("Load: unknown factor", "did you mean 'load'", LINE | {"Load": 0.3}),
-    ("materal: unknown factor", "did you mean 'material'", LINE | {"materal": 0.3}),
-    ("fraction: unknown factor", "did you mean 'friction'", LINE | {"fraction": 0.3}),
     ("xyz: unknown factor", "known are", LINE | {"xyz": 0.3}),
-    ("material: 'BaTio3' is unknown", "did you mean 'BaTiO3'", LINE | {"material": "BaTio3"}),
     ("material: 'stel' is unknown", "did you mean 'steel'", LINE | {"material": ["BaTiO3", "stel"]}),
     *(("material: ", str(value), LINE | {"material": value}) for value in (3, None, 2.5)),
     *((f"{name}: '{word}' is not one of", "", MIXED | {name: word}) for name in CHOSEN for word in ("fibros", "")),
@@ -234,7 +209,6 @@ SINGLE: list[tuple[str, str, Case]] = [
     # what must be given, what may not be together
     ("material: missing", "volume_fraction", {"radius": 0.05, "load": 1e5}),
     ("volume_fraction", "", {"radius": 0.05, "load": 1e5, "composite": "laminate"}),
-    ("material: ", "not both", LINE | {"composite": "fibrous"}),
     ("factors: ", "case", LINE | {"load": TWO, "radius": THREE}),
     ("factors: ", "case", LINE | {"load": TWO.assign_coords(case=[0, 1]), "radius": TWO.assign_coords(case=[0, 2])}),
     ("", "position", LINE | {"load": xr.DataArray([1e4, 1e5, 1e6], dims="position")}),
@@ -250,7 +224,6 @@ SINGLE: list[tuple[str, str, Case]] = [
         for value in (np.nan, -np.inf)
     ),
     *((f"{name}: ", "is not", LINE | {name: value}) for name in OPTIONAL for value in ("half", "", {"a": 1})),
-    *(("speed: ", f"{value}", LINE | {"speed": value}) for value in (np.nan, np.inf, "fast")),
     # the limits of floating point
     *(("", "", LINE | {name: 1e-320}) for name in ("radius", "load", "datum")),
     *(("", "", LINE | {name: 1e300}) for name in ("friction", "charge", "magnetic_charge")),

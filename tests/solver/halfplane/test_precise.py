@@ -16,7 +16,6 @@ from solver.halfplane.precision import TOLERATED, rounding
 from solver.halfplane.speed import limiting_speed, transonic_speed
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import ANY_SIZE
-from tests.solver import micromechanics
 from tests.solver.cases import CHARGED, assert_agrees
 from verification.cases import SIH_SONG, constants
 from verification.oracles import precise
@@ -42,19 +41,6 @@ def check(factors: dict[str, Any], exact_constants: dict[str, Any], positions: t
 @pytest.mark.parametrize("name", AXIAL)
 def test_built_in_materials(name: str) -> None:
     check({"material": name} | CHARGED, constants(solver.find(name)), POSITIONS)
-
-
-MIXES = [("fibrous", 0.0), ("fibrous", 0.6), ("fibrous", 1.0), ("laminate", 0.0), ("laminate", 0.9), ("laminate", 1.0)]
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize(("composite", "fraction"), MIXES)
-def test_composites(composite: str, fraction: float) -> None:
-    first, two = (constants(phase) for phase in (solver.find("BaTiO3"), solver.find("CoFe2O4")))
-    mix = micromechanics.fibrous if composite == "fibrous" else micromechanics.laminate
-    factors = {"composite": composite, "volume_fraction": fraction, **CHARGED, "charge": -1e-6}
-    exact = {name: float(value) if abs(value) > 1e-30 else 0.0 for name, value in mix(first, two, fraction).items()}
-    check(factors, exact, POSITIONS)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 
 import solver
 from solver.arrays import Array
-from solver.stack.electroded import beyond_local, local
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Layer, Stack
 from tests.solver.line.films import BTO, FIBROUS, SILICON, STEEL, by_exponentials
@@ -18,12 +17,9 @@ from tests.solver.line.films import BTO, FIBROUS, SILICON, STEEL, by_exponential
 PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
 BARE: dict[str, Any] = {"surroundings": "insulated"}
 BALL = BARE | {"profile": "sphere", "radius": 0.01, "force": 0.3, "magnetic": "insulating"}
-DISC = BARE | {"profile": "disc", "width": 2e-4, "force": 2.0, "magnetic": "insulating"}
-CONE = BARE | {"profile": "cone", "slope": 0.05, "force": 2.0, "magnetic": "insulating"}
 ROLLER = BARE | {"radius": 0.05, "load": 2e4, "friction": 0.3, "datum": 0.1}
 COVERS = {"rubber": Layer(PDMS, 1e-3, "grounded"), "ceramic": Layer(FIBROUS, 2e-4, "grounded")}
 ACTIVE = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4, "grounded"), Layer(FIBROUS, 2e-4)], SILICON)
-TOP = {"electrode": "top", "collector": 1, "magnetic": "insulating"}
 BURIED = {"collector": 2, "body": Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4)])}
 
 
@@ -47,18 +43,12 @@ def test_full_electrodes_have_e33_over_c33_under_any_cover(cover: str, punch: di
 
 
 @pytest.mark.parametrize("punch", [BALL, ROLLER], ids=["ball", "roller"])
-def test_a_driven_electrode_moves_the_surface_and_changes_nothing_else(punch: dict[str, Any]) -> None:
+def test_a_volt_moves_the_surface_as_a_newton_charges_the_electrode(punch: dict[str, Any]) -> None:
     """The surface moves by e33/c33 a volt: a film between two held planes, free of stress across, on a rigid base."""
     film = {"material": "PZT-4", "thickness": 2e-4, "base": "rigid", "electrode": "top", "magnetic": "insulating"}
-    still = solver.solve(punch | film | {"collector": 1})
-    driven = solver.solve(punch | film | {"collector": 1, "electrode_voltage": [-300.0, 0.0, 300.0]})
-    moved = driven["depth"] - still["depth"]
-    exact = driven["electrode_voltage"] * float(PZT.e33 / PZT.c33) + 0 * moved
-    np.testing.assert_allclose(moved, exact.transpose(*moved.dims), rtol=1e-9, atol=1e-20)
-    np.testing.assert_allclose(still["electrode_stroke_per_volt"], still["electrode_charge_per_force"], rtol=1e-12)
-    for name in still.data_vars:
-        if name != "depth":
-            np.testing.assert_allclose(driven[name] - still[name], 0.0, atol=1e-14 * float(abs(still[name]).max()))
+    read = solver.solve(punch | film | {"collector": 1})
+    assert float(read["electrode_stroke_per_volt"]) == pytest.approx(float(PZT.e33 / PZT.c33), rel=1e-9)
+    assert float(read["electrode_charge_per_force"]) == pytest.approx(float(PZT.e33 / PZT.c33), rel=1e-9)
 
 
 def test_electrodes_and_punch_have_no_charge_together() -> None:
@@ -84,22 +74,13 @@ def test_what_small_waves_carry_tends_to_the_whole() -> None:
 
 @pytest.mark.parametrize(
     ("case", "patch"),
-    [
-        (ROLLER | BURIED, "strip"), (BALL | BURIED, "strip"), (BALL | BURIED, "disc"), (ROLLER | TOP, "strip"),
-        (DISC | TOP, "strip"), (BALL | TOP, "disc"), (CONE | TOP, "disc"),
-    ],
-    ids=["roller", "ball", "ball, disc", "roller, top", "disc, top", "ball, top", "cone, top"],
-)  # fmt: skip
+    [(ROLLER | BURIED, "strip"), (BALL | BURIED, "strip"), (BALL | BURIED, "disc")],
+    ids=["roller", "ball", "ball, disc"],
+)
 def test_patches_add_up_to_the_electrode_and_differ_by_its_gradient(case: dict[str, Any], patch: str) -> None:
-    """Strips side by side are one strip; an endless patch is the electrode, e33/c33 of a film on a rigid base."""
-    whole = charge(solver.solve(case | ({"body": Stack([Layer(PZT, 2e-4)])} if "electrode" in case else {})))
-    if "electrode" in case:
-        assert whole == pytest.approx(float(PZT.e33 / PZT.c33), rel=1e-12)
-        endless = patch_charge(case | {"body": Stack([Layer(PZT, 2e-4)]), "patch": patch, "patch_size": 0.05})
-        case = case | {"body": Stack([Layer(PZT, 2e-4)], SILICON)}
-    else:
-        endless = patch_charge(case | {"patch": patch, "patch_size": 0.05})
-    assert endless == pytest.approx(whole, rel=1e-10)
+    """Strips side by side are one strip; an endless patch is the electrode."""
+    endless = patch_charge(case | {"patch": patch, "patch_size": 0.05})
+    assert endless == pytest.approx(charge(solver.solve(case)), rel=1e-10)
     case, width = case | {"patch": patch}, 5e-5
     if patch == "strip":
         parts = patch_charge(case | {"patch_size": width, "patch_position": width * np.arange(-10, 11)})
@@ -114,19 +95,14 @@ def test_patches_add_up_to_the_electrode_and_differ_by_its_gradient(case: dict[s
 def test_the_charge_is_reciprocal_to_what_the_voltage_moves() -> None:
     """u_y of the surface per phi of an electrode, by matrix exponentials of each layer, is the charge per sigma_yy."""
     k = np.array([1e3, 3e3, 1e4])
-    covered = Stack([Layer(BTO, 1e-4), Layer(FIBROUS, 2e-4)], SILICON, electroded=True)
-    for body, rows in (
-        (ACTIVE, Electrode(ACTIVE, 2).rows(k)[:, 0]),
-        (covered, local(covered) + beyond_local(covered, k)),
-    ):
-        for wave, row in zip(k.tolist(), rows, strict=True):
-            columns, phi = by_exponentials(body, wave)
-            # no traction on top but the charge of an electrode there, whose phi follows; then phi of those below
-            system = np.concatenate([columns[[4, 5, 7, 2]] if body.electroded else columns[4:], phi])
-            driven = np.eye(len(system))[3 if body.electroded else 5]  # k phi of one electrode in these units
-            moved = columns[1] @ np.linalg.solve(system, driven)
-            assert abs(moved) > (1e-3 if body.electroded else 1e-6)
-            assert moved == pytest.approx(row[1], rel=1e-8)
+    for wave, row in zip(k.tolist(), Electrode(ACTIVE, 2).rows(k)[:, 0], strict=True):
+        columns, phi = by_exponentials(ACTIVE, wave)
+        # no traction on top, then phi of the electrodes below
+        system = np.concatenate([columns[4:], phi])
+        driven = np.eye(len(system))[5]  # k phi of one electrode in these units
+        moved = columns[1] @ np.linalg.solve(system, driven)
+        assert abs(moved) > 1e-6
+        assert moved == pytest.approx(row[1], rel=1e-8)
 
 
 def test_strips_below_a_roller_collect_the_jump_of_the_field_inside() -> None:
@@ -174,24 +150,6 @@ def test_discs_below_a_ball_that_slides_collect_the_jump_of_the_field_inside() -
     charges = charge(solver.solve(ball | {"body": ACTIVE} | read), "patch_charge_per_force")
     assert abs(charges[0] / charges[1] - 1) > 1e-3
     assert charges[0] == pytest.approx(expected, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("punch", "patch"), [(ROLLER, {}), (BALL, {"force": 2.0, "patch": "disc"})], ids=["strips", "discs"]
-)
-def test_a_cover_that_grows_thin_leads_there(punch: dict[str, Any], patch: dict[str, Any]) -> None:
-    """Electrodes below 4 and 2 um of the same film, whose charge comes by waves alone, on a line to no cover at all."""
-    read = punch | patch | {"collector": 1, "patch_size": 1e-4, "patch_position": np.array([-1e-4, 3e-5, 1.2e-4, 2e-4])}
-    covered = [
-        patch_charge(
-            read | {"electric": "insulating", "body": Stack([Layer(PZT, t, "grounded"), Layer(PZT, 2e-4)], SILICON)}
-        )
-        for t in (4e-6, 2e-6)
-    ]
-    charges = patch_charge(read | TOP | {"body": Stack([Layer(PZT, 2e-4)], SILICON)})
-    size = np.max(np.abs(charges))
-    assert np.max(np.abs(covered[1] - charges)) > 5e-3 * size  # that far away is the thinner one
-    np.testing.assert_allclose(2 * covered[1] - covered[0], charges, atol=5e-3 * size)
 
 
 def test_a_metal_on_top_is_the_electrode_that_is_asked_for_there() -> None:
@@ -338,16 +296,6 @@ def test_stores_are_those_between_two_states_of_one_width(
     two = solver.solve({**body, "load": other, charge: size})
     secant = size / float(two[potential] - first[potential])
     assert float(first[store]) == pytest.approx(secant, rel=1e-7, abs=0)
-
-
-def test_figures_that_others_found() -> None:
-    """Four digits of an independent check: dT/dV between two states of one contact, and an insulated base's exact."""
-    assert float(solver.solve(ACTIVE_BASE | {"load": 3e6})["capacitance_per_length"]) == pytest.approx(
-        9.888e-9, rel=5e-5
-    )
-    layers = Layer(solver.find("PZT-5H"), 10e-6), Layer(solver.find("polyimide"), 0.2e-3, magnetic="insulated")
-    computed = solver.solve({"surroundings": "insulated", "body": Stack(layers), "radius": 0.05, "load": 1e4})
-    assert float(computed["permeance_per_length"]) == pytest.approx(-6.960e-6, rel=1e-4)
 
 
 @pytest.mark.parametrize(("thin", "load"), [(10e-6, 1e4), (50e-6, 1e3)])

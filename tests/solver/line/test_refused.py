@@ -13,12 +13,8 @@ from solver.line.contact import FilmContact
 from solver.line.kernel import kernel
 from solver.line.peaks import PeakTable
 from solver.line.table import table
-from solver.stack.electrodes import Electrode
-from solver.stack.grading import Graded
 from solver.stack.layers import Layer, Stack
-from solver.stack.reflection import waves
 from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, cases, cylinder, interior_fields, surface_fields
-from tests.solver.line.test_grading import FALLING, LINEAR, linear
 
 INSULATED = Stack((Layer(BTO, 0.5e-3, magnetic="insulated"),))
 METAL = {"name": "mine", "c11": 126e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
@@ -38,10 +34,6 @@ def peaked(stack: Stack, load: float, region: str) -> object:
     return PeakTable(tabled).peaks(contact, region)
 
 
-def graded(law: Callable[[np.ndarray], solver.Material]) -> object:
-    return kernel(Stack((Graded(law, 1.0),)), 1.0)
-
-
 #: Words of the refusal, and what is refused with them.
 REFUSED: dict[str, Callable[[], object]] = {
     "thickness: 0.0 is not allowed": lambda: Layer(BTO, 0.0),
@@ -57,17 +49,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "mine: e33 = 1 C m-2: must be 0 in a conductor": lambda: solver.Material.from_mapping(
         METAL | {"conductor": True, "e33": 1.0}
     ),
-    "only the top layer can be graded": lambda: Stack((Layer(BTO, 1.0), Graded(linear, 1.0))),
-    "is not within 0 to 1": lambda: graded(lambda z: solver.fibrous(BTO, CFO, 0.5 + 0.6 * z)),
-    "not a smooth function": lambda: graded(lambda z: solver.fibrous(BTO, CFO, np.where(z < 0.3, 0.2, 0.8))),
-    "not graded": lambda: waves(LINEAR, np.ones(1)),
-    "patch_size: of the electrode on top of a film that is graded is not given": lambda: Electrode(
-        FALLING[True], 1
-    ).rows(np.ones(1)),
-    "wider than the resolved range, 0.01 to 10": lambda: pressed(0.05, 1e9),
-    "narrower than the resolved range": lambda: pressed(0.05, 1e-3),
     "more than one length": lambda: pressed(5e4, 4300.0, -1e-5),
-    "tension": lambda: pressed(0.05, 100.0, 1e-4),
     "range": lambda: table(ON_STEEL, least=2.0, most=1.0),
     " range": lambda: table(ON_STEEL, least=0.1, most=1e3),
     "beyond the range": lambda: kernel(Stack((Layer(BTO, 1e-9), Layer(FIBROUS, 1.0))), 1.0),
@@ -94,4 +76,3 @@ def test_it_is_refused(words: str) -> None:
 def test_layers_and_bases_may_be_named_and_thicknesses_bear_units() -> None:
     named, stated = Stack([Layer("copper", "20 um")], "silicon"), Stack([Layer(find("copper"), 20e-6)], find("silicon"))
     assert named.name == stated.name
-    assert Graded(lambda depth: solver.fibrous(BTO, CFO, 0.5 + 0 * depth), "200 um").thickness == 2e-4

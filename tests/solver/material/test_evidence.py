@@ -9,6 +9,7 @@ import solver
 from solver.material.constants import UNITS
 from solver.material.punches import punches
 from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, LIMITED, LIMITS
+from tests.solver.cases import free_body
 
 PLAIN: dict[str, Any] = {"name": "mine", "c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
 #: Orders of magnitude that a solid can have.
@@ -176,11 +177,9 @@ def test_what_the_entries_say_of_their_alternatives() -> None:
         assert float(solution.voltage[1] / solution.voltage[0]) == pytest.approx(voltage, abs=2e-3)
         for same in ("contact_trailing", "peak_pressure", "charge_per_force", "trailing_tension"):
             assert float(solution[same][1] / solution[same][0]) == pytest.approx(1, abs=4e-3)
-    m = solver.find("PMN-PT 67:33 (alternative 1)")
-    c = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
-    s = np.linalg.inv(c)
+    s, d = free_body(solver.find("PMN-PT 67:33 (alternative 1)"))
     assert np.diag(s)[[0, 2]] * 1e12 == pytest.approx([69.0, 119.6], rel=2e-3)
-    assert (s @ np.array([m.e31, m.e31, m.e33], dtype=float))[[0, 2]] * 1e12 == pytest.approx([-1330, 2820], rel=2e-3)
+    assert d[[0, 2]] * 1e12 == pytest.approx([-1330, 2820], rel=2e-3)
 
 
 def test_pvdf_has_the_strain_constants_of_its_source() -> None:
@@ -198,15 +197,7 @@ def test_sets_agree_with_what_their_sources_measure() -> None:
     nitride = solver.find("AlN")
     stiffened = float(nitride.e33**2 / nitride.eps33)
     assert 0.06 < stiffened / (float(nitride.c33) + stiffened) < 0.065
-    fit, vendor = (_compliance(solver.find(name)) for name in ("PIC255", "PIC255 (alternative 1)"))
-    np.testing.assert_allclose(vendor[0], [15.9, 21.0], rtol=5e-3)  # pm2/N, as the data sheet prints them
-    np.testing.assert_allclose(vendor[1], [393, -174], rtol=5e-3)  # pC/N
-    assert fit[0][0] / vendor[0][0] == pytest.approx(1.27, abs=0.01)
-
-
-def _compliance(m: solver.Material) -> tuple[list[float], list[float]]:
-    """s11, s33 [pm2/N] and d33, d31 [pC/N]."""
-    c = np.array([[m.c11, m.c12, m.c13], [m.c12, m.c11, m.c13], [m.c13, m.c13, m.c33]], dtype=float)
-    s = np.linalg.inv(c)
-    d = s @ np.array([m.e31, m.e31, m.e33], dtype=float)
-    return [s[0, 0] * 1e12, s[2, 2] * 1e12], [d[2] * 1e12, d[0] * 1e12]
+    (fit, _), (s, d) = (free_body(solver.find(name)) for name in ("PIC255", "PIC255 (alternative 1)"))
+    np.testing.assert_allclose(np.diag(s)[[0, 2]] * 1e12, [15.9, 21.0], rtol=5e-3)  # pm2/N, as the data sheet prints
+    np.testing.assert_allclose(d[[2, 0]] * 1e12, [393, -174], rtol=5e-3)  # pC/N
+    assert fit[0, 0] / s[0, 0] == pytest.approx(1.27, abs=0.01)

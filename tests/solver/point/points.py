@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 import solver
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
-from solver.line.powerlaw import constants_of
-from solver.line.windows import Coat, Kind
+from solver.line.windows import Coat, Kind, constants_of
 from solver.material.constants import Material
 from solver.point.body import Film, HalfSpace
 from solver.point.contact import Pressed

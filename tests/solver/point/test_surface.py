@@ -13,16 +13,14 @@ from scipy.special import j0, j1
 import solver
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
-from solver.line.powerlaw import constants_of
-from solver.line.windows import Coat, Kind
+from solver.line.windows import Coat, Kind, constants_of
 from solver.point import electrodes, inside, sliding, slidingtable
 from solver.point.profile import Shape, halfspace_form
-from solver.point.quantities import quantities
 from solver.point.table import PointKind, PointWindow
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, wavenumbers
-from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film, of_coats, on_film
+from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film, of_coats
 
 PUNCHES: list[dict[str, Any]] = [
     {"profile": "sphere", "radius": 5e-3},
@@ -191,17 +189,3 @@ def test_loads_and_edges_are_those_of_abel_s_equation(kind: Kind, a: float, expo
     for ours, exact in ((a * stiffness.loads[0], loads), (stiffness.edges[0], edges)):
         size = np.max(np.abs(exact), 0)
         np.testing.assert_allclose(ours / size, exact / size, atol=1e-9 if exponent == 1.0 else 1e-11)
-
-
-def test_figures_of_the_theory() -> None:
-    radii = np.array([0.2, 1.0, 5.0])
-    kind = PointKind(film(BTO), (True, True), Shape(2.0))
-    forces = [1.728509e11, 2.154751e11, 6.906319e11]
-    pressed = on_film(kind.film, 1.0, 2.0, 0.5, forces * radii**3)
-    np.testing.assert_allclose(pressed.grounded.radius, radii, rtol=3e-7)
-    np.testing.assert_allclose(
-        quantities(pressed)["charge_per_force"], [162.6588e-12, 142.2051e-12, 119.1587e-12], rtol=4e-7
-    )
-    np.testing.assert_allclose(
-        -pressed.grounded.displacement[:, 0] / radii**2, [0.888477, 0.646322, 0.524082], rtol=1e-6
-    )

@@ -28,7 +28,7 @@ def test_examples_run(
     assert main.main(example(name, capsys)) == 0
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_the_help_solves_nothing_and_a_case_fits_nothing(tmp_path: Path) -> None:
     program = f"""
 import contextlib, sys

@@ -109,18 +109,11 @@ def test_bad_rows_are_refused(
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
-        (["--instrument", "voltage=3%"], "'voltage' is not QUANTITY_gain or QUANTITY_offset of one of depth,"),
-        (["--instrument", "voltage_gain=90%"], "voltage_gain: '90%' is not a number above 0 and up to 0.5 (50 %)"),
-        (["--instrument", "voltage_offset=1um"], "--instrument: voltage_offset: unit mismatch: '1um'"),
-        (["--instrument", "voltage_offset=2%"], "voltage_offset: '2%' is not a positive size with a unit"),
-        (["--instrument", "voltage_gain=1%,voltage_gain=2%"], "--instrument: voltage_gain: given twice"),
-        (["--instrument", "voltage_gain=1%,"], "--instrument: a name is missing in 'voltage_gain=1%,'"),
-        (["--instrument", "contact_trailing_gain=1%"], "no row holds a measured contact_trailing"),
         (["--uncertain", "CoFe2O4 stifness"], "did you mean 'CoFe2O4 stiffness'?"),
         (["--uncertain", "CoFe2O4 stiffness=x"], "is not a number above 0 and up to 0.5"),
     ],
 )
-def test_instruments_and_constants_that_do_not_fit_are_refused(
+def test_constants_that_do_not_fit_are_refused(
     project: Path, capsys: pytest.CaptureFixture[str], words: list[str], reason: str
 ) -> None:
     before = sorted(project.rglob("*"))

@@ -64,6 +64,13 @@ def test_a_bad_point_has_its_line(
     assert list(tmp_path.iterdir()) == [table]
 
 
+def test_a_point_outside_the_box_is_refused_or_flagged(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["query", str(model), "--at", "radius=0.3,friction=0.1"]
+    assert "radius = 0.3 is outside the trained box" in complaint(capsys, *words)
+    assert main.main([*words, "--extrapolate"]) == 0
+    assert "extrapolated" in capsys.readouterr().out
+
+
 def test_a_table_is_answered_with_every_digit(model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, out = tmp_path / "at.csv", tmp_path / "out.csv"
     points = np.random.default_rng(0).uniform([0.01, 0.0], [0.3, 0.5], (5000, 2))

@@ -12,7 +12,7 @@ from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
 from workflow.language.spelling import nearest
 from workflow.run.provenance import ROOT
-from workflow.study import layered, location
+from workflow.study import location
 
 
 @pytest.mark.parametrize("count", ["0", "-1", "x", "1.5", "", "１", "9" * 4301])
@@ -39,13 +39,7 @@ def test_the_page_s_own_names_lead_to_the_interface_s() -> None:
     assert "did you mean 'contact_trailing'?" in nearest("trailing extent of the contact", known)
 
 
-def test_a_composite_without_a_law_is_no_laminate() -> None:
-    layer = layered.BodyLayer.model_construct(composite="third", volume_fraction=0.5, thickness=1e-3)
-    with pytest.raises(KeyError, match="third"):
-        layer.compose({}, {}, ("BaTiO3", "CoFe2O4"))
-
-
-@pytest.mark.process
+@pytest.mark.slow
 @pytest.mark.parametrize("folder", ["müller", "a'b", 'a"b', "a b", "a: b #c", "100%25", "a\\b"])
 def test_snakemake_hands_on_any_path_of_a_study(folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "environ", {**os.environ})
@@ -84,6 +78,13 @@ def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "other").mkdir()
     (tmp_path / "other/mine.yaml").write_text(STUDY, encoding="utf-8")
     return tmp_path / "other/mine.yaml"
+
+
+def test_a_bad_study_is_one_line_and_nothing_is_written(mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mine.write_text(STUDY.replace("load:", "laod:"), encoding="utf-8")
+    line = complaint(capsys, "run", mine)
+    assert "other/mine.yaml: factors.laod: 'laod' is not a factor; did you mean 'load'" in line
+    assert {file.name for file in Path().rglob("*")} == {"other", "mine.yaml"}
 
 
 @pytest.mark.parametrize("name", ["results", "logs", "results/mine", "logs/mine"])

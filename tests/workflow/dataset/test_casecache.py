@@ -37,9 +37,8 @@ def slab(study: Study, results: Path) -> tuple[CaseCache, bytes]:
     """A slab of the study written with what is kept: who was asked, and the bytes."""
     output = results / "film/fields/slab_0.nc"
     output.parent.mkdir(parents=True, exist_ok=True)
-    cache = CaseCache(results, output)
+    cache = CaseCache(results)
     slabs.write_slab(study, 0, output, cache)
-    cache.tell()
     return cache, output.read_bytes()
 
 
@@ -49,7 +48,6 @@ def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study
     finer = made(FILM.replace("levels: 2}", "levels: 6}"))
     again, reused = slab(finer, tmp_path / "a")
     assert (again.taken, again.cases) == (16, 48)  # levels nest from n to 3 n
-    assert casecache.taken(tmp_path / "a", "film") == {"cases": 48, "taken": 16}
     alone, solved = slab(finer, tmp_path / "b")
     assert alone.taken == 0
     assert reused == solved
@@ -61,7 +59,7 @@ def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study
 
 
 def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> None:
-    cache, again = (CaseCache(tmp_path, tmp_path / "film/cases/validation.nc") for _ in range(2))
+    cache, again = (CaseCache(tmp_path) for _ in range(2))
     first, second = (factorial.cases(film, "validation", job_cache) for job_cache in (cache, again))
     plain = factorial.cases(film, "validation")
     assert (cache.taken, cache.cases, again.taken) == (0, 40, 40)  # on two bases
@@ -109,6 +107,3 @@ def test_an_answer_to_another_case_is_solved_again(film: Study, tmp_path: Path) 
     del unnamed.attrs[casecache.CASE]
     write_whole(unnamed, first)
     assert slab(film, tmp_path)[0].taken == 8
-    tally = next((tmp_path / casecache.FOLDER / "taken").rglob("*.json"))
-    tally.write_text("[]", encoding="utf-8")
-    assert casecache.taken(tmp_path, "film") == {"cases": 0, "taken": 0}

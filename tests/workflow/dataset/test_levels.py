@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from storage.netcdf import read_whole, write_whole
-from surrogate.levels.counts import UnreachableError
 from tests.studies import edited, made
 from tests.workflow.conftest import Copy
 from workflow.dataset import factorial, levels
@@ -64,11 +63,6 @@ def test_the_first_axis_has_a_level_for_every_slab() -> None:
     )
     assert chosen["affine"].sel(input="magnetic_charge") == 1
     assert chosen["levels"].sel(input="magnetic_charge") == partition.count(config) == 3
-
-
-def test_too_few_given_levels_are_named() -> None:
-    with pytest.raises(UnreachableError, match=r"out of reach with 3 levels of 'friction': output '[a-z_]+' errs by"):
-        levels.choose(made(edited(OPEN, "levels: 6", "levels: 3")))
 
 
 def test_an_output_asked_for_by_name_must_not_be_kinked(monkeypatch: pytest.MonkeyPatch) -> None:

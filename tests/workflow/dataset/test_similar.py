@@ -66,7 +66,7 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     assert grouping.scalings["depth[rigid]"].coefficient == pytest.approx(0, abs=1e-12 * true["depth[rigid]"].item())
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(tmp_path: Path) -> None:
     """Two factors are divided by in the second product: the order, which decides bits, is the product's."""
     code = (

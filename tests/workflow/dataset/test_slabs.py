@@ -198,8 +198,9 @@ def test_progress_shows_on_a_terminal_and_stays_out_of_a_log(tmp_path: Path) -> 
     assert warm.run(command, ROOT).stderr == ""
     ours, theirs = pty.openpty()
     ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
-    shown = warm.Running(command, ROOT, ROOT, (os.devnull, os.devnull, os.ttyname(theirs)))
-    assert shown.wait() == 0
+    shown = warm.start(command, ROOT, ROOT, (os.devnull, os.devnull, os.ttyname(theirs)))
+    shown.join()
+    assert shown.exitcode == 0
     os.close(theirs)
     text = os.read(ours, 4096)
     os.close(ours)

@@ -47,18 +47,6 @@ def ask() -> Ask:
     return answer
 
 
-def test_a_goal_that_no_variable_changes_is_answered(ask: Ask) -> None:
-    answer = ask(
-        {"load": LOAD, "radius": RADIUS},
-        {"volume_fraction": 0.6},
-        maximise="abs(charge)",
-        over=["radius"],
-        at={"load": 1e4},
-    )
-    assert answer.status == "feasible; binding: none; radius of no effect on the goal"
-    assert words.verdict(answer).idle.startswith("The goal does not depend on radius; the smallest value is chosen")
-
-
 def test_a_punch_without_a_voltage_is_judged_and_drawn(ask: Ask) -> None:
     target = {"maximise": "peak_pressure", "over": ["volume_fraction", "radius"], "subject_to": ["radius >= 50 mm"]}
     factors = {"volume_fraction": FRACTION, "radius": RADIUS}

@@ -11,19 +11,17 @@ from workflow.design.search import targets
 
 FILM = """\
 title: A film
-fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, load: 3e4}
+fixed: {surroundings: insulated, composite: fibrous, volume_fraction: 0.55, radius: 0.05, load: 3e4}
 categories: {base: [rigid, steel]}
 factors:
   friction: {low: 0.0, high: 0.2, levels: 3}
-  volume_fraction: {low: 0.5, high: 0.6, levels: 3}
   thickness: {low: 2e-4, high: 3e-4, levels: 5, scale: log}
 surrogate: {outputs: [voltage, voltage_per_load, trailing_tension]}
-validation: {cases: 40, calibration: 60, tolerance: 1e-3}
+validation: {cases: 20, calibration: 40, tolerance: 1e-3}
 design:
   thick:
     maximise: abs(voltage_per_load)
     over: [thickness, base]
-    at: {volume_fraction: 0.55}
     worst_case: {friction: [0.05, 0.15]}
     subject_to: [nominal_field <= 0.8 kV/mm]
 """

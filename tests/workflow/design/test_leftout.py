@@ -1,6 +1,6 @@
 """Effects that the model leaves out: each formula against a figure by hand, and what they make of a verdict."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import find, solve
+from solver import Layer, Stack, find, solve
 from solver.body import kind_of
+from solver.names import BODY
 from solver.surface import response as surface
 from solver.surface.contact import solve_contact
 from solver.surface.shape import Roller, RoughSphere, sphere
@@ -20,7 +21,10 @@ from workflow.design.verdict.leftout import LeftOut, SolvedCase
 from workflow.design.verdict.variable import End
 from workflow.design.wording import words
 from workflow.language import statements
+from workflow.language.numbers import shown
+from workflow.study import load, signal_case
 from workflow.study.allowable import Allowable
+from workflow.study.sections import Pressing
 
 AMPLIFIER = {"input_capacitance": 1e-11, "feedback_capacitance": 1e-11, "feedback_resistance": 1e13}
 BALL = {
@@ -35,7 +39,7 @@ def of_pzt(name: str) -> Allowable:
 
 def effects(
     case: Mapping[str, Any],
-    solved: Mapping[str, float] | None = None,
+    solved: Mapping[str, float] | Callable[[Mapping[str, Any]], xr.Dataset] | None = None,
     device: Mapping[str, float] = MappingProxyType({}),
     *,
     smallest_force: float = np.nan,
@@ -46,6 +50,8 @@ def effects(
     def answer(factors: Mapping[str, Any]) -> xr.Dataset:
         if solved is None:
             return solve(factors)
+        if callable(solved):
+            return solved(factors)
         frictionless = {"trailing_tension": 0.0} if factors.get("friction") == 0.0 else {}
         return xr.Dataset({**solved, **frictionless})
 
@@ -71,12 +77,20 @@ ROLLER = {"radius": 0.05, "load": 1e4, "punch": "rigid", "friction": 0.2}
         ("roughness", ROLLER, LINE, 1e-8, 6.3662e-8, 0.157080),
         # rise 0.4 um, an end of 10 mm lifts at 80 urad: (2 (100/80)^(1/2))^(1/2) - 1
         ("tilt", ROLLER, LINE, 1e-4, 3.2e-4, 0.495349),
-        ("adhesion", {"radius": 0.017, "force": 0.02}, POINT, 4.00553e-3, 0.02, 0.200277),  # the issue's 4 mN beside 20
+        # both ends press where the radius is 10 mm: 100 of 400 urad, (1 + 1/4)^(1/2) - 1
+        ("tilt", ROLLER | {"radius": 0.01}, LINE, 1e-4, 1.6e-3, 0.118034),
+        # the issue's 4 mN beside 20: Tabor's number is 46, so (1 + 0.400553 + 2 (0.200277 + 0.040111)^(1/2))^(1/3) - 1
+        ("adhesion", {"radius": 0.017, "force": 0.02}, POINT, 4.00553e-3, 0.02, 0.335376),
+        # Tabor's number is 0.01: 2 pi w R, and (1 + 0.0314159)^(1/3) - 1
+        ("adhesion", {"radius": 1e-8, "force": 1e-7}, {"contact_radius": 1e-9}, 3.14159e-9, 1e-7, 0.0103645),
         ("mass of the punch", {"radius": 0.017}, POINT, 1.5747, 0.2, 7.8735),  # the issue's 1.57 N
         ("mass of the punch", ROLLER, LINE, 6.0097, 100.0, 0.060097),
-        ("amplifier", {}, POINT, 10.0, 4.0, 2.5),  # the issue's 1 pA through 10 TOhm beside 40 pC in 10 pF
+        # the issue's 1 pA through 10 TOhm, 10 V (1 - exp(-t/100 s)), beside 40 pC in 10 pF
+        ("amplifier", {}, POINT, 0.0995017, 4.0, 0.0248754),
+        ("amplifier", {"hold": 10.0}, POINT, 0.951626, 4.0, 0.237906),
         ("friction", ROLLER, LINE, 3e7, np.nan, np.nan),
         ("depoling stress", {}, POINT, 60e6, 83e6, np.nan),
+        ("spark beside the contact", {}, POINT | {"gap_field": 1.3e8}, 1.3e8, 65e6, np.nan),
     ],
 )
 def test_each_formula_gives_a_figure_by_hand(
@@ -106,8 +120,77 @@ def test_roughness_is_that_on_a_grid(rms: float, waves: float, grid: float, monk
     assert grid * 0.995 < 1 + rough.left_out_share < grid * 1.14
 
 
+def test_words_say_how_long_and_how_much() -> None:
+    ball = {"profile": "sphere", "radius": 0.02, "force": 0.2, "punch": "steel"}
+    budget = effects(ball | {"hold": 10.0}, POINT, AMPLIFIER, smallest_force=5e-6)
+    assert budget["amplifier"].left_out_words == (
+        "The bias current adds 24 % of the signal in 10 s; 1 pA adds 950 mV where the signal is 4 V, and 10 V in the "
+        "end (time constant 100 s); it equals the smallest force after 1 ms."
+    )
+    unleaky = effects(ball, POINT | {"capacitance": 1e-11}, {"input_capacitance": 1e-11})["amplifier"]
+    assert unleaky.left_out_words == (
+        "The bias current adds 2.5 % of the signal in 1 s; 1 pA adds 50 mV where the signal is 2 V."
+    )
+    small = effects({"profile": "sphere", "radius": 5e-3, "force": 1.0}, POINT)["adhesion"]
+    assert small.left_out_words == "Adhesion widens the contact by 2.3 %; 50 mJ/m² holds the ball with 1.2 mN."
+    assert small.left_out_moves == ""  # of a half-space
+
+
+@pytest.mark.parametrize(("force", "widened"), [(1.0, 2.31e-2), (10e-3, 25.2e-2)])
+def test_adhesion_is_that_of_the_page_of_limits(force: float, widened: float) -> None:
+    effect = effects({"profile": "sphere", "radius": 5e-3, "force": force}, POINT)["adhesion"]
+    assert effect.left_out_share == pytest.approx(widened, rel=2.2e-3)  # docs/limits.md has three digits
+
+
+def test_a_weight_above_a_tenth_of_the_force_presses_too() -> None:
+    def answer(factors: Mapping[str, Any]) -> xr.Dataset:
+        heavier = factors["force"] > 0.2
+        return xr.Dataset(
+            POINT | ({"peak_pressure": 90e6, "contact_stiffness": 8e6} if heavier else {"peak_pressure": 60e6})
+        )
+
+    ball = {"profile": "sphere", "force": 0.2, "punch": "steel"}
+    heavy, light = (
+        effects(ball | {"radius": radius}, answer)["mass of the punch"].left_out_words for radius in (0.02, 0.003)
+    )
+    # 4 pi/3 (20 mm)^3 of 7.8 g/cm3: 261 g on 8 N/um
+    assert heavy == (
+        "The punch's weight is 13 times the force; solid steel weighs 2.56 N beside 200 mN and rings at 880 Hz; with "
+        "its weight the contact pressure exceeds the depoling stress."
+    )
+    assert light.endswith("weighs 8.65 mN beside 200 mN and rings at 12 kHz.")
+
+
+@pytest.mark.parametrize("contact", ["point", "line"])
+def test_the_amplifier_holds_the_electrode_where_fields_are_read(contact: str) -> None:
+    """A charge amplifier leaves no voltage, an input shares it with the contact, without one all of it is left."""
+    film = {"material": "PZT-4", "punch": "steel", "thickness": 20e-6, "base": "steel", "magnetic": "insulating"}
+    punch = {"radius": 0.02, "surroundings": "air"}
+    punch |= {"profile": "sphere", "force": 0.2} if contact == "point" else {"load": 1e3}
+    case, length = film | punch, 0.01
+    kind = kind_of([*case], str(punch.get("profile", "cylinder")), "air")
+    exact = {name: float(value) for name, value in solve(case).data_vars.items() if value.size == 1}
+    capacitance = exact["capacitance_at_force" if contact == "point" else "capacitance_at_load"]
+    capacitance *= 1 if contact == "point" else length
+    for device, left in (
+        ({}, 1.0),
+        ({"input_capacitance": capacitance, "cable_capacitance": capacitance}, 1 / 3),
+        ({"input_capacitance": 1e-11, "feedback_capacitance": 1e-11}, 0.0),
+    ):
+        device |= {"electrode_length": length}
+        solved, circuit = SolvedCase(kind, case, solve, of_pzt, device).read_out
+        # the capacitance of a held contact differs by a few percent from that of the contact which the voltage widens
+        assert solved["voltage"] == pytest.approx(left * exact["voltage"], rel=0.02, abs=1e-6 * abs(exact["voltage"]))
+        budget = effects(case, device=device)
+        assert budget["spark beside the contact"].left_out_words.startswith(circuit.capitalize())
+        assert budget["spark beside the contact"].left_out_size == pytest.approx(solved["gap_field"])
+        assert ("coercive field" in budget) == (left > 0)
+        if left:
+            assert budget["coercive field"].left_out_size == pytest.approx(abs(solved["voltage"]) / 20e-6)
+
+
 def test_rules_of_roughness_and_tilt_are_those_of_contacts_in_space() -> None:
-    """Mean of five random surfaces within a tenth; a tilted roller on a half-space within a sixth."""
+    """Mean of five random surfaces within a tenth; tilted rollers on a half-space and on a thin film."""
     body = surface.SurfaceBody((), find("PZT-4").stiffness_tensor())
     for radius, force, rms in ((5e-3, 1.0, 1e-8), (20e-3, 0.02, 1e-8)):  # crests flattened, and apart
         smooth = solve_contact(body, sphere(radius), force=force, voltage=0.0, air=None, cells=48)
@@ -122,60 +205,108 @@ def test_rules_of_roughness_and_tilt_are_those_of_contacts_in_space() -> None:
         rule = effects(case, {"contact_radius": half})["roughness"]
         assert np.mean(raised) / smooth.peak_pressure == pytest.approx(1 + rule.left_out_share, rel=0.1)
 
-    radius, length, load, tilt = 20e-3, 5e-3, 5e3, 1e-4
+
+def test_roughness_moves_the_charge_of_a_film_by_less_than_is_said() -> None:
+    film = surface.SurfaceLayer(find("PVDF").stiffness_tensor(), 6.3e-6, grounded=True)
+    radius, force, rms = 20e-3, 10e-3, 2e-8
+    body = surface.SurfaceBody((film,))
+    smooth = solve_contact(body, sphere(radius), force=force, voltage=0.0, air=None, cells=48)
+    half = float(np.sqrt(smooth.area / np.pi))
+    assert half / film.thickness == pytest.approx(5, rel=0.05)
+    moved = [
+        solve_contact(
+            body, RoughSphere(radius, rms, 2 * half, half / 2, number), force=force, voltage=0.0, air=None, cells=48
+        ).charge
+        / smooth.charge
+        - 1
+        for number in range(5)
+    ]
+    most = leftout._CHARGE_MOVES * 2 * radius * rms / half**2
+    assert 0.8 * most < max(moved) < 1.05 * most  # the second surface is the one that set it, on a grid of 64
+    assert min(moved) > 0
+
+
+@pytest.mark.parametrize(
+    ("thickness", "load", "tilt", "near"),
+    # a half-space's slices lean on each other, a thin film's hardly do
+    [(np.inf, 5e3, 1e-4, 1 / 6), (20e-6, 1e5, 5e-4, 0.03)],
+)
+def test_a_tilted_roller_is_that_in_space(
+    thickness: float, load: float, tilt: float, near: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two half widths from the sharp end, where the pressure has no bound; there it has fallen by the rule as well."""
+    monkeypatch.setattr(leftout, "TILT", tilt)
+    radius, length, is_film = 20e-3, 5e-3, np.isfinite(thickness)
+    stiffness = find("PZT-4").stiffness_tensor()
+    film = surface.SurfaceBody((surface.SurfaceLayer(stiffness, thickness, grounded=True),)) if is_film else None
+    body = film or surface.SurfaceBody((), stiffness)
     plane, tilted = (
         solve_contact(body, Roller(radius, length, tilt=slope), force=load * length, voltage=0.0, air=None, cells=48)
         for slope in (0.0, tilt)
     )
     middle = plane.y.size // 2
     half = float(plane.weight[:, middle].sum() * (plane.x[1] - plane.x[0]) / 2)
-    away = np.abs(tilted.y) < length / 2 - 2 * half  # from the sharp ends, where the pressure has no bound
-    lifted = float(tilted.pressure[:, away].max() / plane.pressure[:, middle].max())
-    rule = effects(
-        ROLLER | {"radius": radius, "load": load},
-        LINE | {"contact_trailing": half, "contact_leading": half},
-        {"electrode_length": length},
-    )["tilt"]
-    assert lifted == pytest.approx(1 + rule.left_out_share, rel=1 / 6)
+    away = np.abs(tilted.y) < length / 2 - 2 * half
+    raised = float(tilted.pressure[:, away].max() / plane.pressure[:, middle].max())
+
+    case = {"material": "PZT-4", "magnetic": "insulating", "radius": radius, "load": load}
+    case |= {"thickness": thickness, "base": "rigid"} if is_film else {}
+    rule = effects(case, None if is_film else LINE | {"contact_trailing": half, "contact_leading": half},
+                   {"electrode_length": length})["tilt"]  # fmt: skip
+    power = 1.0 if is_film else 0.5
+    deepest, falls = (1 + rule.left_out_share) ** (1 / power), 2 * tilt * length * radius / half**2
+    assert raised == pytest.approx((deepest - falls * 2 * half / length) ** power, rel=near)
+    least = float(rule.left_out_words.split("at least ")[1].split(" %")[0]) / 100  # 38 %, where 79 % are in contact
+    assert tilted.lengths[1] / length > least - 0.02
+    if is_film:
+        assert tilted.lengths[1] / length == pytest.approx(least, abs=0.02)
 
 
-def test_the_quickstart_ball_has_the_figures_of_its_page() -> None:
+def test_a_ball_on_a_film_has_the_figures_of_its_page() -> None:
     budget = effects(BALL, device=AMPLIFIER, smallest_force=5e-6)
     assert 1 + budget["roughness"].left_out_share == pytest.approx(2.7, rel=0.1)  # of another grid, its waves unknown
     heat = budget["heat"]
     exact = solve(BALL | {"touch_temperature": 294.15, "hold": 1.0})
     assert heat.left_out_matters == pytest.approx(float(exact["temperature_equal"]))
     assert heat.left_out_share == pytest.approx(1 / heat.left_out_matters)
-    assert "2 mK the smallest force" in heat.left_out_words
-    # 539 uC/m2/K (docs/heat.md) over pi (36.175 um)^2, of 40.0 pC times 5 uN/0.2 N
-    assert heat.left_out_words.endswith("; of the whole body 450 µK equal the smallest force.")
-    assert next(iter(budget)) == "mass of the punch"
+    assert "85 µK the smallest force" in heat.left_out_words
+    # 40.0 pC times 5 uN/0.2 N over 14.625 pF times 539 uC/m2/K 80 um/7.603 nF/m (docs/heat.md)
+    assert heat.left_out_words.endswith("; of the whole body 12 µK equal the smallest force.")
+    assert [*budget][:2] == ["spark beside the contact", "mass of the punch"]  # what is exceeded stands first
 
 
-def test_heat_beside_the_contact_is_that_of_an_insulated_edge() -> None:
-    """An electrode without end collects heat as the spot's area: 2 sqrt(diffusivity time/pi)/a more."""
-    case = BALL | {
-        "electrode": "top",
-        "collector": 2,
-        "surroundings": "insulated",
-        "touch_temperature": 294.15,
-        "hold": 4e-6,
-    }
-    budget = effects(case)
-    material, solved = find("PZT-4"), solve(case)
-    conductivity, capacity = (float(material.thermal[name].value) for name in ("conductivity", "heat_capacity"))
-    width = (conductivity / capacity * 4e-6 / np.pi) ** 0.5
-    effect = budget["heat beside the contact"]
-    assert effect.left_out_size == pytest.approx(width, rel=1e-12)
-    share = budget["heat"].left_out_share * 2 * width / float(solved["contact_radius"])
-    assert effect.left_out_share == pytest.approx(share, rel=1e-9)
-    below = effects(BALL | {"touch_temperature": 294.15, "hold": 4e-6})  # the punch collects below its contact alone
-    assert below["heat beside the contact"].left_out_share < below["heat"].left_out_share * 2 * width / 3.6e-5
+def test_the_quickstarts_ball_is_recommended_with_room() -> None:
+    study = load("config/quickstart.yaml")
+    assert isinstance(study.signal, Pressing)
+    contact = signal_case.of(study)
+    case = leftout.of_study(contact, {**contact.fixed, "force": study.signal.force}, 1e-4, np.nan, study.signal.hold)
+    budget = leftout.budget(case)  # against 5 %, where its constants differ by 14 %
+    assert max(effect.left_out_ratio for effect in budget if np.isfinite(effect.left_out_ratio)) < leftout.MOST * 2 / 3
+    assert leftout.largest(budget, {"signal", "stress"}) is None
+    assert {effect.left_out for effect in budget} > {"heat", "amplifier", "adhesion", "roughness", "mass of the punch"}
+
+
+def test_a_change_everywhere_charges_an_electrode_without_end_without_limit() -> None:
+    read = BALL | {"electrode": "top", "collector": 2, "surroundings": "insulated"}
+    assert "of the whole body" not in effects(read)["heat"].left_out_words
+    # 539 uC/m2/K over a disc of 1 mm: the pad's own area
+    pad = effects(read | {"patch_size": 1e-3})["heat"]
+    kelvin = abs(float(solve(read | {"patch_size": 1e-3})["patch_charge_per_force"])) * 0.2 / (539e-6 * np.pi * 0.25e-6)
+    assert f"; of the whole body {shown(kelvin, 'K', 2)} equal the signal." in pad.left_out_words
+
+
+def test_heat_that_has_not_arrived_is_less_than_a_share() -> None:
+    film = Stack([Layer("PDMS", 10e-3, "grounded"), Layer("PVDF", 50e-6)], "FR4")
+    read = {"profile": "sphere", "radius": 0.01, "force": 0.05, "punch": "skin", "electric": "insulating"}
+    read |= {BODY: film, "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
+    words = effects(read)["heat"].left_out_words
+    assert words.startswith("Heat is less than 1×10⁻⁴ % of the signal for 1 K in 1 s; of the whole body ")
 
 
 def test_a_base_that_bends_and_a_pad_that_ends() -> None:
     # e31 - e33 c13/c33 of PZT-4 is -14.956 C/m2, steel has 200 GPa and 0.28: 36.175 um collect 40 pC of 0.2 N
-    assert effects(BALL)["bending of the base"].left_out_size == pytest.approx(294e-6, rel=1e-2)
+    # alone, and 37.4 times as much through the air (docs/heat.md)
+    assert effects(BALL)["bending of the base"].left_out_size == pytest.approx(294e-6 * 37.4**0.5, rel=1e-2)
     pad = {"material": "AlN", "profile": "sphere", "radius": 1e-3, "thickness": 1e-6, "base": "silicon", "force": 0.01}
     ends = effects(pad | {"electrode": "top", "collector": 2, "surroundings": "insulated"})["end of the pad"]
     assert ends.left_out_share == pytest.approx(
@@ -189,7 +320,13 @@ def test_signals_are_judged_at_the_smallest_force_and_stresses_at_the_largest() 
     kind = kind_of([*cases[0.2]], "sphere", "insulated")
     radii = {0.02: 2e-5, 0.2: 4e-5}
     least, most = (
-        SolvedCase(kind, case, lambda case: xr.Dataset(POINT | {"contact_radius": radii[case["force"]]}), of_pzt, {})
+        SolvedCase(
+            kind,
+            case,
+            lambda case: xr.Dataset(POINT | {"contact_radius": radii.get(case["force"], np.nan)}),
+            of_pzt,
+            {},
+        )
         for case in cases.values()
     )
     budget = {effect.left_out: effect for effect in leftout.budget(least, most)}
@@ -204,7 +341,18 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     half_space = effects({"material": "PZT-4", "profile": "sphere", "radius": 0.02, "force": 0.2})
     assert half_space["roughness"].left_out_words.endswith("the charge does not move.")
     assert half_space["heat"].left_out_words == "Heat is known of films only."
-    assert next(iter(half_space)) == "depoling stress"  # 2.7 times the limit: what is exceeded stands first
+    assert next(iter(half_space)) == "depoling stress"  # 2.7 times the limit
+    soft = {
+        "material": "PDMS",
+        "profile": "sphere",
+        "radius": 0.01,
+        "punch": "skin",
+        "thickness": 3e-3,
+        "base": "steel",
+    }
+    without_charge = effects(soft | {"force": 0.02})
+    assert not {"heat", "bending of the base", "spark beside the contact"} & {*without_charge}
+    assert without_charge["roughness"].left_out_words.endswith("rms double it.")
     assert "amplifier" not in half_space
 
 

@@ -67,23 +67,3 @@ def test_no_design_of_a_dense_search_is_better(name: str, target: str) -> None:
     assert answer.feasible == np.isfinite(best)
     # the dense search counts over the few scenarios, the verdict over many: a worst case is worse by what lies between
     assert not np.isfinite(best) or reached >= best - 1e-4 * abs(best)
-
-
-def test_every_shipped_study_with_targets_is_searched_or_named() -> None:
-    left = {
-        "air_sensor",
-        "cut",
-        "film_actuator",
-        "film_peaks",
-        "film_sensor",
-        "film",
-        "grouped",
-        "peaks",
-        "point_sensor",
-        "probe",
-        "roller",
-        "taxel",
-        "two_layers",
-    }  # costly cases
-    designed = {name for name in studies.NAMES if studies.shipped(name).design}
-    assert designed <= left | set(STUDIES)

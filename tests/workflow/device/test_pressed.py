@@ -12,6 +12,7 @@ from solver.stack.electrodes import Electrode
 from solver.stack.layers import Layer, Stack
 from storage.netcdf import write_whole
 from tests.studies import edited, made, refusal
+from workflow.design.verdict.leftout import LeftOut
 from workflow.device import pressed
 from workflow.device.circuit import permittivity
 from workflow.device.contact import ContactCurves, film
@@ -194,6 +195,15 @@ def test_a_contact_with_tolerances_is_recommended_if_every_corner_keeps_the_limi
     assert card.build.replace("\N{NO-BREAK SPACE}", " ").endswith("(radius ± 5 % and thickness ± 4 µm)")
     broken = report.card(study, numbers, {**held, "peak_pressure": held["peak_pressure"] * 1.01 / share})
     assert (broken.verdict, broken.good) == ("beyond linear theory", False)
+    heat = (LeftOut("heat", "signal", 1.0, 1.0, "K", 1.0, 3.1, "heat is 35 times the signal", "It is."),)
+    bare = study.model_copy(update={"signal": study.signal.model_copy(update={"tolerance": {}})})
+    for whole, room, kind in (
+        (study, 0.9, "recommended within the model"),
+        (study, 1.01, "beyond linear theory"),
+        (bare, 0.9, "within linear theory"),
+    ):
+        card = report.card(whole, numbers, {**held, "peak_pressure": held["peak_pressure"] * room / share}, heat)
+        assert (card.verdict, card.good) == (f"{kind}; heat is 35 times the signal", False)
 
 
 @pytest.mark.parametrize(

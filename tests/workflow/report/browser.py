@@ -16,13 +16,13 @@ from tests.programs import PATIENCE
 
 
 def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
-    """Mark a test of the layer ``browser``."""
-    return pytest.mark.browser(pytest.mark.needs("chromium")(test))  # type: ignore[no-any-return]
+    """Mark a test that opens a page."""
+    return pytest.mark.slow(pytest.mark.needs("chromium")(test))  # type: ignore[no-any-return]
 
 
 def needs_node(test: Callable[..., None]) -> Callable[..., None]:
-    """Mark a test of the layer ``browser`` that runs a script without a page."""
-    return pytest.mark.browser(pytest.mark.needs("node")(test))  # type: ignore[no-any-return]
+    """Mark a test that runs a script without a page."""
+    return pytest.mark.slow(pytest.mark.needs("node")(test))  # type: ignore[no-any-return]
 
 
 #: Collects whatever a script complains about; `report` leaves the data of a probe in the page.

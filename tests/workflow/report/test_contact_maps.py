@@ -8,11 +8,11 @@ import pytest
 import xarray as xr
 
 from solver.body import KINDS
+from tests.studies import made
 from workflow.dataset.effects import maps, spread
 from workflow.report import device, firstscreen
 from workflow.report.figures import contact_maps, style
 from workflow.report.svg import element
-from workflow.study.model import load
 from workflow.study.reading import InputError
 
 ROUGH = """\
@@ -27,15 +27,8 @@ effects:
 """
 
 
-def written(folder: Path, text: str) -> Path:
-    """File of a study."""
-    file = folder / "rough.yaml"
-    file.write_text(text, encoding="utf-8")
-    return file
-
-
-def test_random_surfaces_are_solved_each_and_drawn_with_their_band(tmp_path: Path) -> None:
-    data = spread(load(written(tmp_path, ROUGH)), "force")
+def test_random_surfaces_are_solved_each_and_drawn_with_their_band() -> None:
+    data = spread(made(ROUGH), "force")
     each = data["peak_pressure"].transpose("force", "realisation")
     assert each.shape == (2, 3)
     assert np.all(np.ptp(each.values, axis=1) > 0.05 * each.values.mean(1))
@@ -45,15 +38,15 @@ def test_random_surfaces_are_solved_each_and_drawn_with_their_band(tmp_path: Pat
     ]  # fmt: skip
 
 
-def test_effects_are_in_the_surroundings_that_the_solver_takes(tmp_path: Path) -> None:
-    study = load(written(tmp_path, ROUGH))
+def test_effects_are_in_the_surroundings_that_the_solver_takes() -> None:
+    study = made(ROUGH)
     assert (study.surroundings, study.kind.air) == (["air"], True)
-    insulated = load(written(tmp_path, ROUGH.replace("grid_error: 0.1", "grid_error: 0.1, surroundings: insulated")))
+    insulated = made(ROUGH.replace("grid_error: 0.1", "grid_error: 0.1, surroundings: insulated"))
     assert (insulated.surroundings, insulated.kind.air) == (["insulated"], False)
 
 
 def test_maps_share_a_window_that_holds_every_contact(tmp_path: Path) -> None:
-    data = maps(load(written(tmp_path, ROUGH)), "force")
+    data = maps(made(ROUGH), "force")
     pressure = data["contact_pressure"].transpose("force", "x", "y")
     cell = float(np.diff(data["x"])[0] * np.diff(data["y"])[0])
     # a map of 121 points reads a grid of 64 cells: the sum of the pressure is the force to some percent
@@ -84,9 +77,9 @@ def test_polar_plot_shows_both_signs_over_a_whole_turn() -> None:
         ("realisations: 3", "realisations: 51", "realisations"),
     ],
 )
-def test_effects_that_contacts_in_space_lack_are_refused(old: str, new: str, message: str, tmp_path: Path) -> None:
+def test_effects_that_contacts_in_space_lack_are_refused(old: str, new: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        load(written(tmp_path, ROUGH.replace(old, new)))
+        made(ROUGH.replace(old, new))
 
 
 @pytest.mark.parametrize(
@@ -106,8 +99,8 @@ def test_effects_that_contacts_in_space_lack_are_refused(old: str, new: str, mes
         ),
     ],
 )
-def test_cards_name_and_draw_punches_in_space(case: dict[str, float | str], words: str, tmp_path: Path) -> None:
-    study = load(written(tmp_path, ROUGH))
+def test_cards_name_and_draw_punches_in_space(case: dict[str, float | str], words: str) -> None:
+    study = made(ROUGH)
     whole = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "surroundings": "air", "force": 1.0, **case}
     film = SimpleNamespace(**{name: getattr(study, name) for name in ("device", "phases", "own_materials")})
     film.body, film.kind, film.surroundings = [], KINDS["space", True, True], ["air"]

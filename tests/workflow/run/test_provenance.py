@@ -55,7 +55,7 @@ def test_a_script_reaches_the_modules_and_data_that_it_needs(script: str, held: 
     assert not files & set(left_out.split())
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_jobs_and_commands_without_models_and_figures_start_without_their_libraries() -> None:
     modules = "solver, workflow.dataset.slabs, workflow.dataset.datacard, workflow.cli.launch, workflow.cli.main"
     code = f"import sys, {modules}; print(*{{'sklearn', 'matplotlib', 'jinja2', 'scipy.stats'}} & set(sys.modules))"

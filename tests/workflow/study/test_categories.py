@@ -16,6 +16,7 @@ from workflow.design.search import targets
 from workflow.design.wording import table
 from workflow.learning import readout_trial
 from workflow.study.categories import output
+from workflow.study.consistency import check_target
 from workflow.study.model import Study, load
 from workflow.study.reading import InputError
 
@@ -106,5 +107,5 @@ def test_questions_in_words(study: Study) -> None:
         ({"worst_case": ["profile=0:1"]}, "worst_case.profile"),
         ({"over": ["radius,material=1:2"]}, "material: 1.0 is not one of BaTiO3, PZT-4"),
     ):
-        with pytest.raises(InputError, match=rf"^[^\n]*{re.escape(says)}[^\n]*$"):
-            questions._checked(study, questions.target(study, options | words))
+        with pytest.raises((InputError, ValueError), match=rf"^[^\n]*{re.escape(says)}[^\n]*$"):
+            check_target(study, "design", questions.target(study, options | words))

@@ -26,7 +26,7 @@ def test_unread_configuration_is_refused(config: dict[str, Any], entries: tuple[
     assert "\n" not in str(refusal.value)
 
 
-@pytest.mark.process  # Snakemake's command line looks for Slurm
+@pytest.mark.slow  # Snakemake's command line looks for Slurm
 @pytest.mark.parametrize(
     "profile", ["config: {friction: 0.4}", "config: [study=film, friction=0.4]", "configfile: more.yaml"]
 )

@@ -76,7 +76,7 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Pat
 
 
 def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
-    answer = targets.solve_target(study, "thin", fitted(study, calibrated=True))
+    answer = targets.solve_target(study, "thin", fitted(study))
     design = {name: answer.variable(name).value for name in study.factors}
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
     base = answer.combination["base"]

@@ -70,7 +70,7 @@ def test_what_is_no_file_is_not_waited_for(folder: Path) -> None:
             location.given(name)
 
 
-@pytest.mark.process
+@pytest.mark.slow
 def test_a_path_is_found_again_by_those_that_this_process_starts(folder: Path) -> None:
     write(folder / "config/mine.yaml")
     mine, other = write(folder / "far/mine.yaml"), write(folder / "other/mine.yaml")

@@ -16,7 +16,10 @@ from workflow.study.reading import InputError, read_material, read_yaml
 
 QUICKSTART = Path("config/quickstart.yaml")
 #: Studies of which the solver takes seconds for the corners.
-SECONDS = ("air_sensor", "film", "film_actuator", "film_sensor", "paper", "point_sensor", "probe")
+SECONDS = {
+    "air_sensor", "cut", "film", "film_actuator", "film_peaks", "film_sensor", "paper", "point", "point_sensor",
+    "probe", "roller", "rough", "two_layers",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(

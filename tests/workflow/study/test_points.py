@@ -165,7 +165,7 @@ def test_a_design_in_groups_is_what_the_solver_says() -> None:
     text = text.replace("abs(signal_charge) <= 100 pC, force <= 1 N, ", "")
     outputs = "surrogate: {outputs: [contact_radius, charge_per_force, capacitance, peak_pressure]}\n"
     study = made(f"{text}{outputs}validation: {{cases: 20, calibration: 60, tolerance: 1e-3}}\n")
-    model, exact = fitted(study, calibrated=True), factorial.exact(study, factorial.axes(study))
+    model, exact = fitted(study), factorial.exact(study, factorial.axes(study))
     assert dict(exact.sizes) == {"force_radius_per_thickness3": 14}
     table = training.validate(study, exact, factorial.cases(study, "validation"), model)
     assert float(table["max_error"].max()) < 1e-3

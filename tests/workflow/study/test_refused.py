@@ -54,9 +54,6 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (FILM, "categories: {base: [rigid, steel]}\n", "", "base: missing; must be 'rigid' or a material's name, or else"),
     (FILM, "electric: grounded", "electric: insulated", "interface_electric: 'insulated' is not one of gr"),
     (FILM, "electric: grounded", "magnetic: insulated", "interface_magnetic: 'insulated' is allowed above a"),
-    (FILM, "interface_electric: grounded}", "base_volume_fraction: 0.2}\ndataset: {peaks: true}",
-     "dataset: peaks: are"),
-    (FILM, "  friction: {low: 0.0, high: 0.3", "  grading_exponent: {low: 2.0, high: 3.0", "factors: grading_exponent"),
     (FILM, "design:", "surrogate: {fields: 4}\ndesign:", "surrogate: fields: only those of half-planes are learned"),
     (FILM, "design:", "surrogate: {outputs: [peak_von_mises]}\ndesign:", "surrogate: outputs: some of thes"),
     # heat

@@ -5,20 +5,23 @@ names none.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import brentq
 
 from solver import FactorError, Material, MaterialError, Stack, solve
 from solver.body import Kind
-from solver.face.heat import responses, stack_of, widened
+from solver.face.heat import charged_area, responses, stack_of
 from solver.face.strain import DEEP, WIDE
 from solver.material.punches import RIGID_PUNCH, punches
-from solver.names import BODY, CHOICES, FACTORS
+from solver.names import BODY, CHOICES, FACTORS, NEVER_TEMPERATURE
 from workflow.language import titles
+from workflow.language.constants import DEVICE
 from workflow.language.numbers import number, shown
 from workflow.language.titles import capital
 from workflow.study import layered
@@ -39,10 +42,14 @@ SUPPORT = 10e-3  # m from the force to the supports of a base
 WARMER, HOLD = 1.0, 1.0  # K and s: what touches is warmer by so much, for so long
 DENSITY = 7800.0  # kg/m3 of steel: of a rigid punch, and of one without a name
 GRAVITY = 9.81  # m/s2
+ATOMS = 0.3e-9  # m: distance over which surfaces attract each other
+SPARK = 65e6  # V/m: from which gaps of air up to 4 um spark
 
-_CHARGE_MOVES = 0.07  # of the charge per force of a film, at most, by 10 nm: rough balls on a grid; 0 on a half-space
+# most change of a film's charge per force over 2 R rms/a^2: 65 rough balls in space on PZT-4 and PVDF, a/h 0.2 to 10
+_CHARGE_MOVES = 0.22
 _STEEP = 0.01  # rms over the contact's radius: waves that long and higher have slopes that no polish leaves
-_FEW = 0.1  # share of the charge from which bending and the end of a pad matter
+_FEW = 0.1  # share of the charge from which bending and the end of a pad matter, and of the force a weight
+_STEP = 1.1  # factor of the load for the powers by which depth and pressure grow
 _APART = 3.8  # p*/p0 at which both laws of roughness meet
 _READ = ("patch_charge_per_force", "electrode_charge_per_force", "charge_per_force")
 _CAPACITANCE = ("capacitance_at_force", "capacitance_at_load", "capacitance", "capacitance_per_length")
@@ -79,12 +86,42 @@ class SolvedCase:
     phases: tuple[str, str] = ("BaTiO3", "CoFe2O4")
     body: Stack | None = None  # of a study's body
     band: float = np.nan  # the printed relative band; NaN: the least spread of published constants
+    hold: float = HOLD  # [s] from the touch to the reading, where the factors name none
 
     @cached_property
     def solved(self) -> Mapping[str, float]:
         """Quantities of the case."""
-        out = self.solve(self.factors)
+        return self.quantities({})
+
+    def quantities(self, others: Mapping[str, float]) -> Mapping[str, float]:
+        """Quantities of the case with some factors that differ."""
+        out = self.solve({**self.factors, **others})
         return {str(name): float(out[name].squeeze()) for name in out.data_vars if out[name].size == 1}
+
+    @cached_property
+    def read_out(self) -> tuple[Mapping[str, float], str]:
+        """Quantities at the voltage that the amplifier leaves, and the circuit in words.
+
+        A charge amplifier leaves none. An input shares the charge with the contact, whose capacitance takes its charge
+        from zero volts to the open circuit.
+        """
+        charge, force = self.kind.loads.charges[0], self.kind.loads.force
+        known = {"voltage", "charge_per_force"} <= self.solved.keys() and self.solved["voltage"]
+        named = self.factors.get(charge) or not {"electrode", "collector"}.isdisjoint(self.factors)
+        if named or not known or "input_capacitance" not in self.device:
+            return self.solved, "at the punch's charge" if self.factors.get(charge) else "at open circuit"
+        short = self.solved["charge_per_force"] * float(self.factors[force])
+        if "feedback_capacitance" in self.device:
+            at_zero = self.quantities({charge: short})
+            return {name: at_zero[name] for name in at_zero if name != "nominal_field"}, "at zero volts"
+        beside = self.device["input_capacitance"] + self.device.get("cable_capacitance", 0.0)
+        share = beside / (beside + abs(short / self.solved["voltage"]) * self.length)
+        return self.quantities({charge: share * short}), "with the amplifier's input"
+
+    @property
+    def reading_time(self) -> float:
+        """Time from the touch to the reading [s]."""
+        return float(self.factors.get("hold", self.hold))
 
     @property
     def profile(self) -> str:
@@ -123,7 +160,7 @@ class SolvedCase:
     def charge(self) -> float:
         """Size of the charge that is read [C]; NaN where none is."""
         name = next((name for name in _READ if name in self.solved), None)
-        return abs(self.solved[name]) * self.force if name else np.nan
+        return (abs(self.solved[name]) * self.force or np.nan) if name else np.nan
 
     @property
     def stack(self) -> Stack | None:
@@ -148,9 +185,12 @@ class SolvedCase:
         return self.band if self.band > 0 else USUAL
 
 
-def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, band: float) -> SolvedCase:
-    """A case of a study, with its device, for the budget."""
-    device = study.device.constants if study.device else {}
+def of_study(
+    study: Study, factors: Mapping[str, Any], smallest_force: float, band: float, hold: float | None = None
+) -> SolvedCase:
+    """A case of a study, with its device, for the budget; `hold` [s]: None of the study's signal."""
+    device = dict(study.device.constants) if study.device else {}
+    device |= {name: float(factors[name]) for name in DEVICE if study.device and name in factors}
     phases = (study.phases[0], study.phases[1])
     return SolvedCase(
         kind=study.kind,
@@ -163,6 +203,7 @@ def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, ba
         phases=phases,
         body=layered.stack(study.body, dict(factors), study.own_materials, phases) if study.body else None,
         band=band,
+        hold=hold or (study.signal.hold if study.signal else HOLD),
     )
 
 
@@ -239,7 +280,7 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     if not np.isfinite(case.charge):
         return
     start = float(case.factors.get("body_temperature") or FACTORS["body_temperature"].default or 0.0)
-    factors = {"touch_temperature": start + WARMER, "hold": HOLD, **case.factors}
+    factors = {"touch_temperature": start + WARMER, "hold": case.reading_time, **case.factors}
     rise, hold = abs(float(factors["touch_temperature"]) - start), float(factors["hold"])
     try:
         out = case.solve(factors)
@@ -251,46 +292,20 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
         return
     equal = float(out["temperature_equal"].squeeze())
     share = rise / equal
-    brief = f"heat is {_times(share)} the signal"
-    detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}; {shown(equal, 'K', 2)} equal the signal"
-    kelvin, whose = case.charge / _uniform(case, out), "the signal"
-    if np.isfinite(case.smallest_force):
-        part, whose = case.smallest_force / case.force, "the smallest force"
-        detail += f", {shown(equal * part, 'K', 2)} {whose}"
-        kelvin *= part
-    detail += f"; of the whole body {shown(kelvin, 'K', 2)} equal {whose}"
-    yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, detail)
+    arrives = equal < NEVER_TEMPERATURE
+    brief = f"heat is {'' if arrives else 'less than '}{_times(share)} the signal"
+    detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}"
+    part, whose = case.smallest_force / case.force, "the smallest force"
+    if not np.isfinite(part):
+        part, whose = 1.0, "the signal"
+    if arrives:
+        detail += f"; {shown(equal, 'K', 2)} equal the signal"
+        detail += f", {shown(equal * part, 'K', 2)} {whose}" if part != 1 else ""
     body = {BODY: case.body} if case.body else {}
-    width, added = widened({**factors, **body}, out, case.materials, case.phases)
-    brief = f"heat beside the contact adds {_times(share * added)} the signal"
-    detail = f"; a surface that loses no heat widens the warm spot by {shown(width, 'm', 2)}"
-    yield _effect(case, "heat beside the contact", "signal", width, case.half, "m", share * added, brief, detail)
-
-
-def _uniform(case: SolvedCase, solved: xr.Dataset) -> float:
-    """Charge of a change of temperature everywhere [C/K]."""
-    factors = {**case.factors, **({BODY: case.body} if case.body else {})}
-    return abs(case.length * responses(factors, solved, np.empty(0), case.materials, case.phases)[1]) * _through_gap(
-        case
-    )
-
-
-def _through_gap(case: SolvedCase) -> float:
-    """Charge of a ball in air over that of its contact alone, by a change of temperature everywhere.
-
-    A film of one temperature has the same open voltage at every place. So the charge is that voltage times the
-    capacitance of the ball, gap included (reciprocity).
-    """
-    stack, capacitance = case.stack, case.solved.get("capacitance_at_force")
-    others = ("patch_charge_per_force", "electrode_charge_per_force")
-    if not (case.kind.air and case.point and stack and capacitance) or any(name in case.solved for name in others):
-        return 1.0
-    top = stack.layers[0]
-    film = top.material
-    permittivity = float(film.eps33 + film.e33**2 / film.c33)
-    if 2 not in stack.grounded[0] or not permittivity > 0:
-        return 1.0
-    return max(1.0, capacitance * float(top.thickness) / (permittivity * np.pi * case.half**2))
+    uniform = abs(case.length * responses({**case.factors, **body}, out, np.empty(0), case.materials, case.phases)[1])
+    if 0 < uniform < np.inf:
+        detail += f"; of the whole body {shown(part * case.charge / uniform, 'K', 2)} equal {whose}"
+    yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, detail)
 
 
 def _pad(case: SolvedCase) -> Iterator[LeftOut]:
@@ -304,6 +319,14 @@ def _pad(case: SolvedCase) -> Iterator[LeftOut]:
     brief = f"the end of a pad of {shown(PAD, 'm', 2)} changes the charge by {number(100 * share, 2)} %"
     detail = f"; from {shown(PAD * share / _FEW, 'm', 2)} on it changes by less than {number(100 * _FEW, 2)} %"
     yield _effect(case, "end of the pad", "signal", PAD * share / _FEW, PAD, "m", share, brief, detail)
+
+
+def _through_gap(case: SolvedCase) -> float:
+    """Charge by the same polarisation of all of the film over that of the contact's part, of a punch that reads it."""
+    if "collector" in case.factors or case.stack is None or case.kind.space:
+        return 1.0
+    alone = np.pi * case.half**2 if case.point else 2 * case.half
+    return charged_area({**case.factors, **case.solved}, case.stack) / alone
 
 
 def _bending(case: SolvedCase) -> Iterator[LeftOut]:
@@ -330,7 +353,7 @@ def _bending(case: SolvedCase) -> Iterator[LeftOut]:
         stretched = 6 / biaxial * moments
     else:
         stretched = 6 / plate * (SUPPORT - pad / 2) * pad
-    thickness = float(np.sqrt(coefficient * stretched * case.force / (_FEW * case.charge)))
+    thickness = float(np.sqrt(coefficient * _through_gap(case) * stretched * case.force / (_FEW * case.charge)))
     brief = f"a base thinner than {shown(thickness, 'm', 2)} on supports {shown(SUPPORT, 'm', 2)} away bends"
     detail = f", and changes the charge by more than {number(100 * _FEW, 2)} %"
     yield _effect(case, "bending of the base", "", thickness, np.nan, "m", np.nan, brief, detail)
@@ -352,42 +375,75 @@ def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
     waves = rms / double  # p*/p0
     factor = 1 + waves if waves < _APART else float((24 / np.pi * waves**2) ** (1 / 3))
     brief = f"roughness of {shown(rms, 'm', 2)} raises the largest pressure {_raised('up to ', factor)}"
-    charge = f"moves by at most {number(100 * _CHARGE_MOVES, 2)} %" if case.kind.layered else "does not move"
-    detail = f"; {shown(double, 'm', 2)} rms double it; the charge {charge}"
+    detail = f"; {shown(double, 'm', 2)} rms double it"
+    if np.isfinite(case.charge):
+        moved = 100 * _CHARGE_MOVES * 2 * case.radius * rms / case.half**2
+        detail += f"; the charge {f'moves by at most {number(moved, 2)} %' if case.kind.layered else 'does not move'}"
     yield _effect(case, "roughness", "stress", rms, double, "m", factor - 1, brief, detail)
 
 
 def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
-    """An end of a line of length L lifts where theta L/2 equals the rise a^2/2R of the punch within the contact.
+    """A tilted line as slices, each in the contact of a straight line at its own depth.
 
-    The load per length goes with the local depth, the pressure with its root (Hertz). With t = theta/theta_1 and
-    theta_1 = a^2/(R L), p/p0 = (1 + t)^(1/2) up to t = 1; beyond it (2 t^(1/2))^(1/2), and L t^(-1/2) is in contact.
+    With the rise r = a^2/2R of the punch within the contact, a slice at the depth u r has the load u^n and the largest
+    pressure u^m (half-plane: 1 and 1/2, by Hertz; thin film: 3/2 and 1). The depth falls by s r along the line, s = 2
+    theta/theta_1, theta_1 = a^2/(R L). The load of all slices, the integral of u^n over s, is s. In thick bodies
+    slices sink beside each other, so that more of the length stays in contact.
     """
     if case.point or not case.radius:
         return
-    lifting = case.half**2 / (case.radius * case.length)
-    tilt = TILT / lifting
-    left, factor = (min(tilt**-0.5, 1.0), float(np.sqrt(2 * tilt**0.5 if tilt > 1 else 1 + tilt)))
+    n, m = _powers(case) if case.kind.layered else (1.0, 0.5)
+    falls = TILT * case.length * case.radius / case.half**2 * 2
+    deepest = ((n + 1) * falls) ** (1 / (n + 1))
+    if deepest > falls:  # both ends press
+
+        def overload(middle: float) -> float:
+            return float((middle + falls / 2) ** (n + 1) - (middle - falls / 2) ** (n + 1)) - (n + 1) * falls
+
+        deepest = float(brentq(overload, falls / 2, 2.0)) + falls / 2
+    factor, left = deepest**m, min(deepest / falls, 1.0)
+    lifting, doubling = (TILT / falls * end for end in ((n + 1) ** (1 / n), 2 ** ((n + 1) / m) / (n + 1)))
     brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {_raised('', factor)}"
-    detail = (
-        f"; an end of {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)}, and "
-        f"{number(100 * left, 2)} % of the length stay in contact"
+    detail = f"; an end of its {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)} or more"
+    if left < 1:
+        detail += f", and at least {number(100 * left, 2)} % of the length stay in contact"
+    yield _effect(case, "tilt", "stress", TILT, doubling, "rad", factor - 1, brief, detail)
+
+
+def _powers(case: SolvedCase) -> tuple[float, float]:
+    """Powers of the rise within a line's contact by which the load and the largest pressure grow."""
+    load = case.kind.loads.force
+    more = replace(case, factors={**case.factors, load: _STEP * float(case.factors[load])})
+    rise = 2 * np.log(more.half / case.half)
+    return float(np.log(_STEP) / rise), float(
+        np.log(more.solved["peak_pressure"] / case.solved["peak_pressure"]) / rise
     )
-    yield _effect(case, "tilt", "stress", TILT, 4 * lifting, "rad", factor - 1, brief, detail)
 
 
 def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
-    """Pull-off force 1.5 pi w R of a ball: K.L. Johnson, K. Kendall, A.D. Roberts, Proc. R. Soc. A 324 (1971) 301."""
+    """Contact of a ball under the load that adhesion adds, and the force that pulls the ball off.
+
+    Soft and large balls: K.L. Johnson, K. Kendall, A.D. Roberts, Proc. R. Soc. A 324 (1971) 301. Others: B.V.
+    Derjaguin, V.M. Muller, Y.P. Toporov, J. Colloid Interface Sci. 53 (1975) 314. The number that divides them: D.
+    Tabor, J. Colloid Interface Sci. 58 (1977) 2. The charge per force of a film changes by less than the contact
+    widens, that of a half-space not at all.
+    """
     if not case.point or not case.radius:
         return
-    pull = 1.5 * np.pi * ADHESION * case.radius
-    brief = f"adhesion is {_times(pull / case.force)} the force"
+    modulus = 3 * case.force * case.radius / (4 * case.half**3)  # by Hertz
+    tabor = (case.radius * ADHESION**2 / (modulus**2 * ATOMS**3)) ** (1 / 3)
+    pull = (1.5 if tabor > 1 else 2.0) * np.pi * ADHESION * case.radius
+    share = pull / case.force
+    load = 1 + (2 * share + 2 * np.sqrt(share + share**2) if tabor > 1 else share)
+    widened_by = float(load ** (1 / 3) - 1)
+    brief = f"adhesion widens the contact by {number(100 * widened_by, 2)} %"
     detail = f"; {shown(ADHESION, 'J m-2', 2)} holds the ball with {shown(pull, 'N', 2)}"
-    yield _effect(case, "adhesion", "signal, stress", pull, case.force, "N", pull / case.force, brief, detail)
+    moves = "signal" if case.kind.layered else ""
+    yield _effect(case, "adhesion", moves, pull, case.force, "N", widened_by, brief, detail)
 
 
 def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
-    """A bias current I leaves I R at the output; without a resistance it adds I t."""
+    """A bias current I leaves I R (1 - exp(-t/RC)) at the output after a time t; without a resistance I t/C."""
     if "input_capacitance" not in case.device or not np.isfinite(case.charge):
         return
     device, bias = case.device, case.device.get("bias_current", BIAS)
@@ -396,19 +452,24 @@ def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
     contact_capacitance = case.solved[name] * case.length if name else 0.0
     whole = feedback or contact_capacitance + device["input_capacitance"] + device.get("cable_capacitance", 0.0)
     resistance = device.get("feedback_resistance" if feedback else "input_resistance", np.inf)
-    signal = case.charge / whole
-    left = bias * (resistance if np.isfinite(resistance) else HOLD / whole)
-    within = f"through {shown(resistance, 'Ohm', 3)}" if np.isfinite(resistance) else f"in {shown(HOLD, 's', 2)}"
-    brief = f"the bias current adds {_times(left / signal)} the signal"
-    detail = f"; {shown(bias, 'A', 2)} {within} adds {shown(left, 'V', 2)} to {shown(signal, 'V', 2)}"
+    signal, time, lasting = case.charge / whole, case.reading_time, resistance * whole
+    is_leaky = np.isfinite(resistance)
+    left = -bias * resistance * np.expm1(-time / lasting) if is_leaky else bias * time / whole
+    brief = f"the bias current adds {_times(left / signal)} the signal in {shown(time, 's', 2)}"
+    detail = f"; {shown(bias, 'A', 2)} adds {shown(left, 'V', 2)} where the signal is {shown(signal, 'V', 2)}"
+    if is_leaky:
+        detail += f", and {shown(bias * resistance, 'V', 2)} in the end (time constant {shown(lasting, 's', 2)})"
     if np.isfinite(case.smallest_force) and bias:
         drift = case.smallest_force / case.force * case.charge / bias
-        detail += f" and equals the smallest force after {shown(drift, 's', 2)}"
+        detail += f"; it equals the smallest force after {shown(drift, 's', 2)}"
     yield _effect(case, "amplifier", "signal", left, signal, "V", left / signal, brief, detail)
 
 
 def _mass(case: SolvedCase) -> Iterator[LeftOut]:
-    """Weight of a solid ball or cylinder, and its resonance sqrt(k/m)/2 pi on the contact's stiffness."""
+    """Weight of a solid ball or cylinder, and its resonance sqrt(k/m)/2 pi on the contact's stiffness.
+
+    A weight of more than a tenth of the force presses too.
+    """
     which = str(case.factors.get("punch") or RIGID_PUNCH)
     if not case.radius or which == "skin":  # which a hand holds
         return
@@ -416,11 +477,17 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
     density, body = (known.density, which.replace("_", " ")) if known else (DENSITY, "steel")
     volume = 4 / 3 * np.pi * case.radius**3 if case.point else np.pi * case.radius**2 * case.length
     weight = density * volume * GRAVITY
+    solved = case.solved
+    if weight > _FEW * case.force:
+        solved = case.quantities({case.kind.loads.force: (case.force + weight) / case.length})
     brief = f"the punch's weight is {_times(weight / case.force)} the force"
     detail = f"; solid {body} weighs {shown(weight, 'N', 3)} beside {shown(case.force, 'N', 3)}"
-    if "contact_stiffness" in case.solved:
-        resonance = np.sqrt(case.solved["contact_stiffness"] / (density * volume)) / (2 * np.pi)
+    if "contact_stiffness" in solved:
+        resonance = np.sqrt(solved["contact_stiffness"] / (density * volume)) / (2 * np.pi)
         detail += f" and rings at {shown(float(resonance), 'Hz', 2)}"
+    with suppress(ValueError, KeyError):  # no known limit, or no pressure
+        if case.solved["peak_pressure"] <= case.allowable("depoling_stress").value < solved["peak_pressure"]:
+            detail += "; with its weight the contact pressure exceeds the depoling stress"
     yield _effect(
         case, "mass of the punch", "signal, stress", weight, case.force, "N", weight / case.force, brief, detail
     )
@@ -440,18 +507,37 @@ def _friction(case: SolvedCase) -> Iterator[LeftOut]:
 
 def _limits(case: SolvedCase) -> Iterator[LeftOut]:
     """Shares of the depoling stress and of the coercive field: constants change from there on."""
-    for name, quantity in (("depoling_stress", "peak_pressure"), ("coercive_field", "nominal_field")):
+    at_amplifier, circuit = case.read_out
+    for name, quantity, solved, where in (
+        ("depoling_stress", "peak_pressure", case.solved, ""),
+        ("coercive_field", "nominal_field", at_amplifier, f"{circuit} the "),
+    ):
         try:
             limit = case.allowable(name)
         except ValueError:
             continue
-        if quantity in case.solved:
-            size = abs(case.solved[quantity])
+        if quantity in solved:
+            size = abs(solved[quantity])
             units = "Pa" if quantity == "peak_pressure" else "V m-1"
-            brief = f"{titles.title(quantity)} is {_times(size / limit.value)} the {titles.title(name)}"
+            brief = f"{where}{titles.title(quantity)} is {_times(size / limit.value)} the {titles.title(name)}"
             detail = f"; constants change from {shown(limit.value, units, 3)} of {limit.material} on"
             yield _effect(case, titles.title(name), "", size, limit.value, units, np.nan, brief, detail)
 
 
+def _spark(case: SolvedCase) -> Iterator[LeftOut]:
+    """Share of the field at which short gaps of air spark: then charge crosses the gap.
+
+    P.G. Slade, E.D. Taylor, IEEE Trans. Components Packag. Technol. 25 (2002) 390; of polished contacts below 1 um A.
+    Peschot et al., Appl. Phys. Lett. 105 (2014) 123109.
+    """
+    solved, circuit = case.read_out
+    size = solved.get("gap_field", 0.0)
+    if not size:  # no gap, or nothing that charges it
+        return
+    brief = f"{circuit} the field beside the contact is {_times(size / SPARK)} that of sparks in short gaps"
+    detail = f"; gaps up to 4 µm spark from {shown(SPARK, 'V m-1', 2)} on, polished ones below 1 µm from 350 MV/m"
+    yield _effect(case, "spark beside the contact", "", size, SPARK, "V m-1", np.nan, brief, detail)
+
+
 _BY_SIGNAL = (_constants, _heat, _pad, _bending, _adhesion, _amplifier, _mass)
-_BY_STRESS = (_strain, _roughness, _tilt, _friction, _limits)
+_BY_STRESS = (_strain, _roughness, _tilt, _friction, _limits, _spark)
