@@ -279,6 +279,11 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     """The solver's own charge of heat: `solver.heat`, docs/heat.md."""
     if not np.isfinite(case.charge):
         return
+    if case.kind.space:
+        yield _effect(
+            case, "heat", "signal", np.nan, np.nan, "K", np.nan, "heat is not solved for contacts in space", ""
+        )
+        return
     start = float(case.factors.get("body_temperature") or FACTORS["body_temperature"].default or 0.0)
     factors = {"touch_temperature": start + WARMER, "hold": case.reading_time, **case.factors}
     rise, hold = abs(float(factors["touch_temperature"]) - start), float(factors["hold"])
