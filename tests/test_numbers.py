@@ -1,5 +1,6 @@
 """Numbers that docs/limits.md and the pages of theory state, computed by the solver."""
 
+import itertools
 import re
 from pathlib import Path
 from typing import Any
@@ -10,12 +11,13 @@ import xarray as xr
 
 import solver
 from solver.arrays import Array
-from solver.face.heat import responses
+from solver.face.heat import charged_area, responses, stack_of
 from solver.halfplane.contact import Contact
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
-from solver.heat.charge import film_coefficient
+from solver.heat.charge import film_coefficient, film_gap
+from solver.heat.touch import Shape, Spot
 from solver.line import outputs
 from solver.line.contact import FilmContact
 from solver.line.table import table
@@ -195,6 +197,28 @@ def test_a_ball_s_heat_is_as_stated() -> None:
     assert f"{shares[0]:.2g} % insulated, {shares[1]:.2g} % in air" in HEAT
     contact = film_coefficient(solver.find("PZT-4"), solver.find("steel")) * np.pi * float(air["contact_radius"]) ** 2
     assert f"{abs(uniform / contact):.0f} times the charge below its contact" in HEAT
+
+
+def test_the_field_beyond_a_contact_s_edge_is_as_large_as_stated() -> None:
+    """All of a film polarised alike: what collects by its capacitance, over the contact and the parts below its gap."""
+    line = {"punch": "steel", "interface_electric": "grounded", "interface_magnetic": "grounded", "friction": 0.3}
+    ball = {"material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6, "base": "steel"}
+    cases: list[dict[str, Any]] = [line | design for design in DESIGNS.values()]
+    cases.append(ball | {"punch": "steel", "magnetic": "insulating", "force": 0.2})
+    shares: dict[str, list[float]] = {"insulated": [], "air": []}
+    for kind, case in itertools.product(shares, cases):
+        values = {str(name): float(array) for name, array in solver.solve(case | {"surroundings": kind}).items()}
+        stack = stack_of(case)
+        half = values.get("contact_radius") or (values["contact_trailing"] + values["contact_leading"]) / 2
+        shape: Shape = "disc" if "contact_radius" in values else "strip"
+        r = half + np.geomspace(1e-9, case["radius"], 4001)
+        gap = Spot(shape, half, radius=case["radius"] if kind == "air" else None).gap(r)
+        below = np.trapezoid((2 * np.pi * r if shape == "disc" else 2.0) / (1 + gap / film_gap(stack)), r)
+        area = charged_area(case | values, stack)
+        shares[kind].append(area / (Spot(shape, half).area + float(below)))
+    low, high = (100 * (share - 1) for share in (min(shares["air"]), max(shares["air"])))
+    assert f"that is {low:.0f} to {high:.0f} % of the charge in air" in HEAT
+    assert f"it is {min(shares['insulated']):.2g} to {max(shares['insulated']):.0f} times the charge below" in HEAT
 
 
 # Points of docs/limits.md

@@ -20,10 +20,12 @@ from solver.heat.conduction import Conduction
 from solver.heat.touch import Patch, Spot, Warmed
 from solver.material.constants import Material, MaterialError
 from solver.material.evidence import Sourced
+from solver.names import THERMAL
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Stack
 from solver.units import VACUUM_PERMITTIVITY
 
+_CONDUCTS = ("conductivity", "heat_capacity")
 _EARLIEST, _LATEST = 1e-6, 1e6  # s, between which heat overtakes a force, or never
 _PER_DECADE = 6
 _LEAST = 1e-8  # charge over another one that is lost in rounding
@@ -37,7 +39,11 @@ def constant(name: str, thermal: dict[str, Sourced] | object, owner: str) -> flo
     """Value of a constant for heat of a body."""
     if not isinstance(thermal, dict) or name not in thermal:
         raise HeatError(f"heat: not known for {owner}: {name}")
-    return float(thermal[name].value)
+    value, positive = float(thermal[name].value), name in _CONDUCTS
+    if not np.isfinite(value) or (positive and value <= 0):
+        allowed = f"a finite number{' > 0' if positive else ''} [{THERMAL[name].units}]"
+        raise MaterialError(f"{owner}: thermal: {name}: {value:g} is not {allowed}")
+    return value
 
 
 def film_coefficient(film: Material, base: Material | None = None) -> float:
@@ -63,9 +69,6 @@ def conduction(stack: Stack) -> Conduction:
     values = {name: np.array([constant(name, m.thermal, m.name) for m in bodies]) for name in _CONDUCTS}
     thickness = np.array([layer.thickness for layer in stack.layers])
     return Conduction(thickness, values["conductivity"], values["heat_capacity"])
-
-
-_CONDUCTS = ("conductivity", "heat_capacity")
 
 
 def layer_weights(stack: Stack, collector: int | None = None) -> Array:

@@ -19,15 +19,14 @@ import scipy  # scipy.interpolate, slow to import, and few jobs ask for heat
 from approximation.arrays import Array
 from solver.heat.conduction import Conduction, in_time, laplace
 
-_INSIDE, _OUTSIDE = (
-    20,
-    48,
-)  # rings in the contact, and beside it: charges within 5e-3, of a far patch that heat just reaches 1e-2
+# rings in the contact, and beside it: charges within 5e-3, of a far patch that heat just reaches within 1e-2
+_INSIDE, _OUTSIDE = 20, 48
 _FIRST = 0.02  # width of the rings at the edge over the radius, or over the diffusion length if that is less
 _FAR = 8.0  # diffusion lengths beside the contact
 _PARTS = 4  # of a ring, where a patch takes some of it
 _AIR = 0.0257  # W/m/K at 20 degC
-_JUMP = 2.7e-7  # m: both faces' jumps of temperature as a gap, at an accommodation of 0.9 (E. Kennard, 1938, ch. 8)
+# m: both faces' jumps of temperature as a gap, at an accommodation of 0.9 (E. Kennard, Kinetic Theory of Gases, 1938)
+_JUMP = 2.7e-7
 
 Shape = Literal["disc", "strip"]
 

@@ -1,5 +1,6 @@
 """Heat: temperatures in layers, and the charge that they make, against closed forms and finite volumes."""
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -126,7 +127,7 @@ def test_a_patch_below_a_cover_collects_as_axisymmetric_volumes_say(radius: floa
         assert warmed.over(patch) == pytest.approx(volumes, rel=RINGS), distance
 
 
-HALF, RADIUS, FILM_GAP = 36e-6, 0.02, 9.3e-8  # the ball of the quickstart on its film: m
+HALF, RADIUS, FILM_GAP = 36e-6, 0.02, 9.3e-8  # a ball on a film, as in docs/heat.md: m
 
 
 def height(r: Any) -> Any:
@@ -302,6 +303,24 @@ def test_a_decaying_read_out_loses_the_touch_before_the_heat() -> None:
     assert "heat_charge" not in slow
     assert abs(fast["heat_charge_per_length"][..., 1]).max() < abs(slow["heat_charge_per_length"][..., 1]).max()
     assert (fast["temperature_equal"] < slow["temperature_equal"]).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "allowed"),
+    [
+        ("conductivity", 0.0, "a finite number > 0 [W m-1 K-1]"),
+        ("conductivity", np.nan, "a finite number > 0 [W m-1 K-1]"),
+        ("heat_capacity", -1.0, "a finite number > 0 [J m-3 K-1]"),
+        ("expansion", np.inf, "a finite number [K-1]"),
+        ("pyroelectric", np.nan, "a finite number [C m-2 K-1]"),
+    ],
+)
+def test_a_constant_that_no_material_has_is_refused(name: str, value: float, allowed: str) -> None:
+    film = solver.find("PZT-4")
+    film = replace(film, name="mine", thermal={**film.thermal, name: Sourced(value, "nobody")})
+    case = {"material": "mine", "thickness": 50e-6, "base": "steel", "radius": 0.05, "load": 5e3, **TOUCH}
+    with pytest.raises(solver.MaterialError, match=re.escape(f"mine: thermal: {name}: {value:g} is not {allowed}")):
+        solver.solve(case, materials={"mine": film})
 
 
 def test_a_film_without_a_constant_has_no_heat_and_says_why() -> None:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import find, solve
+from solver import Layer, Stack, find, solve
 from solver.body import kind_of
+from solver.names import BODY
 from solver.surface import response as surface
 from solver.surface.contact import solve_contact
 from solver.surface.shape import Roller, RoughSphere, sphere
@@ -294,6 +295,14 @@ def test_a_change_everywhere_charges_an_electrode_without_end_without_limit() ->
     assert f"; of the whole body {shown(kelvin, 'K', 2)} equal the signal." in pad.left_out_words
 
 
+def test_heat_that_has_not_arrived_is_less_than_a_share() -> None:
+    film = Stack([Layer("PDMS", 10e-3, "grounded"), Layer("PVDF", 50e-6)], "FR4")
+    read = {"profile": "sphere", "radius": 0.01, "force": 0.05, "punch": "skin", "electric": "insulating"}
+    read |= {BODY: film, "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
+    words = effects(read)["heat"].left_out_words
+    assert words.startswith("Heat is less than 1×10⁻⁴ % of the signal for 1 K in 1 s; of the whole body ")
+
+
 def test_a_base_that_bends_and_a_pad_that_ends() -> None:
     # e31 - e33 c13/c33 of PZT-4 is -14.956 C/m2, steel has 200 GPa and 0.28: 36.175 um collect 40 pC of 0.2 N
     # alone, and 37.4 times as much through the air (docs/heat.md)
@@ -333,6 +342,9 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     assert half_space["roughness"].left_out_words.endswith("the charge does not move.")
     assert half_space["heat"].left_out_words == "Heat is known of films only."
     assert next(iter(half_space)) == "depoling stress"  # 2.7 times the limit
+    roller = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "profile": "roller", "radius": 0.005}
+    in_space = effects(roller | {"length": 1e-3, "force": 1.0, "grid_error": 0.05})
+    assert in_space["heat"].left_out_words == "Heat is not solved for contacts in space."
     soft = {
         "material": "PDMS",
         "profile": "sphere",

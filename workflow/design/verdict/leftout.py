@@ -19,7 +19,7 @@ from solver.body import Kind
 from solver.face.heat import charged_area, responses, stack_of
 from solver.face.strain import DEEP, WIDE
 from solver.material.punches import RIGID_PUNCH, punches
-from solver.names import BODY, CHOICES, FACTORS
+from solver.names import BODY, CHOICES, FACTORS, NEVER_TEMPERATURE
 from workflow.language import titles
 from workflow.language.constants import DEVICE
 from workflow.language.numbers import number, shown
@@ -279,6 +279,11 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     """The solver's own charge of heat: `solver.heat`, docs/heat.md."""
     if not np.isfinite(case.charge):
         return
+    if case.kind.space:
+        yield _effect(
+            case, "heat", "signal", np.nan, np.nan, "K", np.nan, "heat is not solved for contacts in space", ""
+        )
+        return
     start = float(case.factors.get("body_temperature") or FACTORS["body_temperature"].default or 0.0)
     factors = {"touch_temperature": start + WARMER, "hold": case.reading_time, **case.factors}
     rise, hold = abs(float(factors["touch_temperature"]) - start), float(factors["hold"])
@@ -292,17 +297,19 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
         return
     equal = float(out["temperature_equal"].squeeze())
     share = rise / equal
-    brief = f"heat is {_times(share)} the signal"
-    detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}; {shown(equal, 'K', 2)} equal the signal"
+    arrives = equal < NEVER_TEMPERATURE
+    brief = f"heat is {'' if arrives else 'less than '}{_times(share)} the signal"
+    detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}"
+    part, whose = case.smallest_force / case.force, "the smallest force"
+    if not np.isfinite(part):
+        part, whose = 1.0, "the signal"
+    if arrives:
+        detail += f"; {shown(equal, 'K', 2)} equal the signal"
+        detail += f", {shown(equal * part, 'K', 2)} {whose}" if part != 1 else ""
     body = {BODY: case.body} if case.body else {}
     uniform = abs(case.length * responses({**case.factors, **body}, out, np.empty(0), case.materials, case.phases)[1])
-    kelvin, whose = case.charge / uniform, "the signal"
-    if np.isfinite(case.smallest_force):
-        part, whose = case.smallest_force / case.force, "the smallest force"
-        detail += f", {shown(equal * part, 'K', 2)} {whose}"
-        kelvin *= part
-    if kelvin:
-        detail += f"; of the whole body {shown(kelvin, 'K', 2)} equal {whose}"
+    if 0 < uniform < np.inf:
+        detail += f"; of the whole body {shown(part * case.charge / uniform, 'K', 2)} equal {whose}"
     yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, detail)
 
 
