@@ -8,13 +8,17 @@ yardstick is `numpy.linalg.solve` of one. A material costs one eigenproblem: tha
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from importlib.util import find_spec
 
 import numpy as np
 import xarray as xr
 
 import solver
 from approximation.arrays import Array
+from approximation.chebyshev import gauss_points
 from benchmarks import least, scattered
+from benchmarks.rivals import GRID_RIVALS
+from surrogate import GridGP, Input
 
 #: Cases of the tables, and loads or forces of the contacts in air.
 ROWS, LOADS = 20_000, 24
@@ -40,7 +44,7 @@ SCATTERED = 256
 
 def measure() -> dict[str, float]:
     """Seconds of processor time, and ratios to the yardsticks."""
-    return {**in_air(), **tables(), **commands(), **fits()}
+    return {**in_air(), **tables(), **commands(), **queries(), **fits()}
 
 
 def in_air() -> dict[str, float]:
@@ -86,12 +90,31 @@ def commands() -> dict[str, float]:
 
 
 def fits() -> dict[str, float]:
-    """Cost of a fit to scattered cases, beside scikit-learn's Gaussian process."""
-    ours, theirs = (
-        scattered.row(method, "circuit", SCATTERED)["fit, seconds of processor time"]
-        for method in scattered.METHODS[:2]
+    """Cost and error of a fit to scattered cases, beside the other packages that are installed."""
+    rows = {method.name: scattered.row(method, "circuit", SCATTERED) for method in scattered.METHODS
+            if find_spec(method.package)}  # fmt: skip
+    cost, error = "fit, seconds of processor time", "root-mean-square error over range"
+    own, result = rows.pop(scattered.METHODS[0].name), dict[str, float]()
+    for name, row in rows.items():
+        result |= _beside(f"fit of {SCATTERED} scattered cases", own[cost], name, row[cost])
+        result[f"its error, over {name}"] = own[error] / row[error]
+    return result
+
+
+def queries() -> dict[str, float]:
+    """Cost of a query of one mean, in blocks, beside scipy's cubic spline through the same factorial."""
+    random = np.random.default_rng(2)
+    levels = [gauss_points(12)] * 4
+    values = np.exp(sum((k + 1) / 4 * part for k, part in enumerate(np.meshgrid(*levels, indexing="ij"))))
+    names = [f"x{k}" for k in range(4)]
+    data = xr.DataArray(values, dict(zip(names, levels, strict=True)), names).to_dataset(name="y")
+    model = GridGP(inputs=[Input(name, -1, 1) for name in names]).fit(data)
+    spline = GRID_RIVALS["cubic grid spline (scipy NdBSpline)"](levels, values[..., None])
+    X = random.uniform(-1, 1, (ROWS, 4))
+    own, other = (
+        least(action).processor / ROWS for action in (lambda: model.predict_array(X), lambda: spline(X, False))
     )
-    return _beside(f"fit of {SCATTERED} scattered cases", ours, "scikit-learn", theirs)
+    return _beside("a query of a mean", own, "scipy NdBSpline", other)
 
 
 def _beside(name: str, cost: float, other: str, yardstick: float) -> dict[str, float]:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import NdBSpline, RBFInterpolator, make_interp_spline
@@ -94,6 +95,69 @@ def smt(t: Array, y: Array, noisy: bool = False) -> Predict:
             [model.predict_variances(X) + nugget for model, nugget in zip(models, noise, strict=True)], axis=1
         )
         return mean, np.sqrt(np.maximum(variance, 0.0))
+
+    return predict
+
+
+def openturns(t: Array, y: Array) -> Predict:
+    """Gaussian process of OpenTURNS, squared exponential, one model an output.
+
+    t: (n, d), scaled coordinates of the cases; y: (n, p), the outputs.
+    """
+    import openturns as ot
+
+    models = []
+    for column in y.T:
+        basis = ot.ConstantBasisFactory(t.shape[1]).build()
+        kernel = ot.SquaredExponential(t.shape[1])
+        fitted = ot.GaussianProcessFitter(ot.Sample(t), ot.Sample(column[:, None]), kernel, basis)
+        fitted.run()
+        regression = ot.GaussianProcessRegression(fitted.getResult())
+        regression.run()
+        models.append(regression.getResult())
+
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        places = ot.Sample(X)
+        mean = np.concatenate([np.array(model.getMetaModel()(places)) for model in models], axis=1)
+        if not with_std:
+            return mean, None
+        variances = [
+            ot.GaussianProcessConditionalCovariance(model).getConditionalMarginalVariance(places) for model in models
+        ]
+        return mean, np.sqrt(np.maximum(np.concatenate([np.array(variance) for variance in variances], axis=1), 0.0))
+
+    return predict
+
+
+def tinygp(t: Array, y: Array) -> Predict:
+    """Gaussian process of tinygp, squared exponential, a length scale an input; likelihood maximised by scipy."""
+    import jax
+    from scipy.optimize import minimize
+    from tinygp import GaussianProcess, kernels, transforms
+
+    jax.config.update("jax_enable_x64", True)
+
+    def process(theta: Array) -> Any:
+        kernel = jax.numpy.exp(theta[0]) * transforms.Linear(jax.numpy.exp(-theta[2:]), kernels.ExpSquared())
+        return GaussianProcess(kernel, t, diag=jax.numpy.exp(theta[1]))
+
+    def fitted(column: Array) -> Array:
+        loss = jax.jit(jax.value_and_grad(lambda theta: -process(theta).log_probability(column)))
+
+        def with_slope(theta: Array) -> tuple[float, Array]:
+            value, slope = loss(theta)
+            return float(value), np.asarray(slope, dtype=np.float64)
+
+        bounds = [(-10.0, 12.0), (-25.0, 0.0), *[(-5.0, 7.0)] * t.shape[1]]
+        start = np.concatenate([[0.0, -9.0], np.zeros(t.shape[1])])
+        return np.asarray(minimize(with_slope, start, jac=True, bounds=bounds).x)
+
+    fits = [(fitted(column), column) for column in y.T]
+
+    def predict(X: Array, with_std: bool) -> tuple[Array, Array | None]:
+        both = [process(theta).predict(column, X, return_var=True) for theta, column in fits]
+        mean, variance = (np.stack([np.asarray(pair[part]) for pair in both], axis=1) for part in (0, 1))
+        return mean, np.sqrt(np.maximum(variance, 0.0)) if with_std else None
 
     return predict
 

@@ -21,7 +21,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from benchmarks import printed, timed
-from benchmarks.rivals import REACH, Fit, Predict, scikit_learn, smt, standardised
+from benchmarks.rivals import REACH, Fit, Predict, openturns, scikit_learn, smt, standardised, tinygp
 from surrogate import Input, ScatterGP
 
 #: Cases of a fit, and fresh ones.
@@ -91,6 +91,8 @@ METHODS = [
     Method("scikit-learn GP (RBF, noise)", "sklearn", 1000, partial(scikit_learn, noisy=True)),
     Method("libKriging nested kriging", "pylibkriging", 3000, _libkriging),
     Method("SMT Kriging", "smt", 1000, partial(smt, noisy=True)),
+    Method("OpenTURNS Gaussian process", "openturns", 1000, openturns),
+    Method("tinygp", "tinygp", 1000, tinygp),
 ]
 
 

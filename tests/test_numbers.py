@@ -1,5 +1,6 @@
 """Numbers that docs/limits.md and the pages of theory state, computed by the solver."""
 
+import itertools
 import re
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,13 @@ import xarray as xr
 
 import solver
 from solver.arrays import Array
-from solver.face.heat import responses
+from solver.face.heat import charged_area, responses, stack_of
 from solver.halfplane.contact import Contact
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
+from solver.heat.charge import film_coefficient, film_gap
+from solver.heat.touch import Shape, Spot
 from solver.line import outputs
 from solver.line.contact import FilmContact
 from solver.line.table import table
@@ -29,10 +32,15 @@ from workflow.run.provenance import ROOT
 from workflow.study.reading import read_yaml
 from workflow.study.sections import Device
 
-LIMITS, FILMS, POINTS = (
+LIMITS, FILMS, POINTS, HEAT = (
     " ".join((ROOT / f"docs/{name}.md").read_text(encoding="utf-8").split())
-    for name in ("limits", "theory-films", "theory-points")
+    for name in ("limits", "theory-films", "theory-points", "heat")
 )
+
+
+def described(study: str) -> str:
+    """Description of a shipped study."""
+    return " ".join(read_yaml(Path(ROOT / f"config/{study}.yaml"))["description"].split())
 
 
 def rows(page: str) -> list[list[str]]:
@@ -125,9 +133,12 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
     line = common | {"interface_electric": "grounded", "interface_magnetic": "grounded", "friction": 0.3}
     kelvin = [noise_in_kelvin(line | case, "film_sensor", "line in air", 0.01) for case in DESIGNS.values()]
     charge, voltage, quiet = (f"{1e6 * noise:.2g}" for noise, _ in kelvin)
+    largest = [force for _, force in kelvin]
     assert f"a change of {charge}, {voltage} and {quiet} uK everywhere" in LIMITS
-    forces = [force for _, force in kelvin]
-    assert f"its largest {min(forces):.3g} to {max(forces):.3g} K" in LIMITS
+    assert f"its largest {min(largest):.3g} to {max(largest):.3g} K" in LIMITS
+    text = described("film_sensor")
+    assert f"of {quiet} to {charge} microkelvin everywhere makes as much charge as the smallest" in text
+    assert f"one of {min(largest):.1g} to {max(largest):.1g} K as much as the rated one" in text
     ball: dict[str, Any] = common | {
         "material": "PZT-4",
         "profile": "sphere",
@@ -136,17 +147,78 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
     }
     ball |= {"thickness": 50e-6, "radius": 0.017}
     meeting: Meeting = "point in air, charge amplifier"
-    (large, equal), (small, _) = (
-        noise_in_kelvin(ball | {"force": f}, "point_sensor", meeting, 1.0) for f in (0.2, 0.02)
-    )
-    assert f"at 200 mN {1e3 * large:.3g} mK, at 20 mN {1e3 * small:.3g} mK" in LIMITS
+    (large, _), (small, _) = (noise_in_kelvin(ball | {"force": f}, "point_sensor", meeting, 1.0) for f in (0.2, 0.02))
+    assert f"at 200 mN {1e6 * large:.3g} uK, at 20 mN {1e6 * small:.3g} uK" in LIMITS
+    assert f"by {1e6 * large:.0f} to {1e6 * small:.0f} microkelvin" in described("point_sensor")
     # the mean rise of a disc of even flux on a half-space is 8 Q / (3 pi^2 kappa a)
-    radius = float(solver.solve(ball | {"force": 0.2})["contact_radius"])
+    solved = solver.solve(ball | {"force": 0.2})
+    radius = float(solved["contact_radius"])
+    film = film_coefficient(solver.find("PZT-4"), solver.find("silicon"))
+    equal = abs(0.2 * float(solved["charge_per_force"]) / (film * np.pi * radius**2))
     kappa = solver.find("PZT-4").thermal["conductivity"].value
     rise = 8 * (0.3 * 0.2 * 1e-3) / (3 * np.pi**2 * kappa * radius)
-    assert f"{rise:.3g} K if all of it enters the film's material, {100 * rise / equal:.3g} % of the charge" in LIMITS
+    share = f"{100 * rise / equal:.3g} % of the charge of the force from below"
+    assert f"{rise:.3g} K if all of it enters the film's material, {share}" in LIMITS
     steel = punches()["steel"].thermal["conductivity"].value
     assert f"the ball itself conducts {100 * steel / (steel + kappa):.0f} % of the heat away" in LIMITS
+
+
+# docs/heat.md
+
+
+@pytest.mark.filterwarnings("ignore::solver.face.refusal.SmallStrainWarning")
+def test_a_warm_finger_makes_the_stated_charge() -> None:
+    layers = [Layer("PDMS", 1e-3, "grounded"), Layer("P(VDF-TrFE) 75:25 (alternative 1)", 50e-6)]
+    case: dict[str, Any] = {"body": Stack(layers, "FR4"), "profile": "sphere", "radius": 0.01, "punch": "skin"}
+    case |= {"electric": "insulating", "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
+    case |= {"touch_temperature": 306.15, "body_temperature": 295.15, "hold": [0.3, 1.0]}
+    out = solver.solve(case | {"force": [5e-3, 50e-3], "patch_position": [0.0, 1e-3, 2e-3]})
+    shares = abs(out["heat_charge"] / (out["patch_charge_per_force"] * out["force"]))
+    (soon, soon_most), (late, late_most) = (
+        (float(part.min()), float(part.max())) for part in (shares.isel(hold=0), shares.isel(hold=1))
+    )
+    assert f"{soon:.2f} to {soon_most:.2f} times the charge of the touch in 0.3 s" in HEAT
+    assert f"and {late:.0f} to {late_most:.0f} times in 1 s" in HEAT
+    quick, slow = (
+        solver.solve(case | {"force": 0.05, "patch_position": 0.0, "hold": 0.3} | leak)["temperature_equal"]
+        for leak in ({"feedback_resistance": 1e10, "feedback_capacitance": 1e-11}, {})
+    )
+    assert f"share of the signal {float(slow / quick):.0f} times larger" in HEAT
+
+
+def test_a_ball_s_heat_is_as_stated() -> None:
+    ball: dict[str, Any] = {"material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6}
+    ball |= {"base": "steel", "punch": "steel", "magnetic": "insulating", "force": 0.2}
+    insulated, air = (solver.solve(ball | {"surroundings": kind}) for kind in ("insulated", "air"))
+    shares = []
+    for solved, kind in ((insulated, "insulated"), (air, "air")):
+        step, uniform = responses(ball | {"surroundings": kind}, solved, np.array([1.0]))
+        shares.append(100 * abs(step[0] / (0.2 * float(solved["charge_per_force"]))))
+    assert f"{shares[0]:.2g} % insulated, {shares[1]:.2g} % in air" in HEAT
+    contact = film_coefficient(solver.find("PZT-4"), solver.find("steel")) * np.pi * float(air["contact_radius"]) ** 2
+    assert f"{abs(uniform / contact):.0f} times the charge below its contact" in HEAT
+
+
+def test_the_field_beyond_a_contact_s_edge_is_as_large_as_stated() -> None:
+    """All of a film polarised alike: what collects by its capacitance, over the contact and the parts below its gap."""
+    line = {"punch": "steel", "interface_electric": "grounded", "interface_magnetic": "grounded", "friction": 0.3}
+    ball = {"material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6, "base": "steel"}
+    cases: list[dict[str, Any]] = [line | design for design in DESIGNS.values()]
+    cases.append(ball | {"punch": "steel", "magnetic": "insulating", "force": 0.2})
+    shares: dict[str, list[float]] = {"insulated": [], "air": []}
+    for kind, case in itertools.product(shares, cases):
+        values = {str(name): float(array) for name, array in solver.solve(case | {"surroundings": kind}).items()}
+        stack = stack_of(case)
+        half = values.get("contact_radius") or (values["contact_trailing"] + values["contact_leading"]) / 2
+        shape: Shape = "disc" if "contact_radius" in values else "strip"
+        r = half + np.geomspace(1e-9, case["radius"], 4001)
+        gap = Spot(shape, half, radius=case["radius"] if kind == "air" else None).gap(r)
+        below = np.trapezoid((2 * np.pi * r if shape == "disc" else 2.0) / (1 + gap / film_gap(stack)), r)
+        area = charged_area(case | values, stack)
+        shares[kind].append(area / (Spot(shape, half).area + float(below)))
+    low, high = (100 * (share - 1) for share in (min(shares["air"]), max(shares["air"])))
+    assert f"that is {low:.0f} to {high:.0f} % of the charge in air" in HEAT
+    assert f"it is {min(shares['insulated']):.2g} to {max(shares['insulated']):.0f} times the charge below" in HEAT
 
 
 # Points of docs/limits.md

@@ -1,7 +1,7 @@
 """Quantities of the heat that a touch brings to films, from solved contacts."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
@@ -9,23 +9,40 @@ import numpy as np
 import xarray as xr
 
 from solver.arrays import Array
+from solver.body import around
 from solver.face.filmfactors import absent, bare
-from solver.heat.charge import HeatedStack, HeatError, touch_step
-from solver.heat.conduction import Shape, Spot, Warming
+from solver.heat.charge import HeatedStack, HeatError, constant, film_gap
+from solver.heat.touch import Patch, Shape, Spot, Warmed
 from solver.material.constants import Material
 from solver.material.laws import compose
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH, punches
-from solver.names import BODY, CHOICES, COMPOSITES, FACTORS, HEAT_QUANTITIES, NEVER_TEMPERATURE, NEVER_TIME, OF_HEAT
+from solver.names import (
+    AIR,
+    BODY,
+    CHOICES,
+    COMPOSITES,
+    FACTORS,
+    HEAT_QUANTITIES,
+    NEVER_TEMPERATURE,
+    NEVER_TIME,
+    OF_HEAT,
+)
 from solver.stack.layers import RIGID, Layer, Stack
+from solver.units import VACUUM_PERMITTIVITY
 
 #: Factors that make the stack of a case, and those of its punch and its circuit.
 _OF_A_STACK = (
     BODY, "material", "composite", *dict.fromkeys(COMPOSITES.values()), "thickness", "base", "base_modulus",
     "interface_electric", "interface_magnetic", "electrode", "base_volume_fraction",
 )  # fmt: skip
-_OTHERS = ("punch", "electric", "collector", "patch", "patch_size", "patch_position", "load", "force", *OF_HEAT)
+_OTHERS = (
+    "punch", "profile", "radius", "surroundings", "electric", "collector", "patch", "patch_size", "patch_position",
+    "load", "force", *OF_HEAT,
+)  # fmt: skip
 _CONTACT = ("contact_radius", "contact_trailing", "contact_leading")
+_CAPACITANCES = ("capacitance_at_force", "capacitance_at_load", "capacitance", "capacitance_per_length")
+_ROUND = ("sphere", "cylinder")
 _CHARGES = ("patch_charge_per_force", "electrode_charge_per_force", "charge_per_force")
 
 
@@ -79,12 +96,12 @@ def _added(
 
 @dataclass(frozen=True, eq=False)
 class _Touches:
-    """Touches of cases, which share stacks and warmings."""
+    """Touches of cases, which share stacks and temperatures."""
 
     materials: Mapping[str, Material]
     phases: Sequence[str | Material]
     stacks: dict[Any, tuple[Stack, HeatedStack]] = field(default_factory=dict)
-    warmings: dict[Any, Warming] = field(default_factory=dict)
+    warmed: dict[Any, Warmed] = field(default_factory=dict)
     times: dict[Any, float] = field(default_factory=dict)  # at which heat overtakes the force, whatever the hold
 
     def quantities(self, case: Mapping[str, Any]) -> Array:
@@ -99,18 +116,18 @@ class _Touches:
             self.stacks[key] = stack, HeatedStack.of(stack, collector)
         stack, heated = self.stacks[key]
         leak = case.get("feedback_resistance", np.inf) * case.get("feedback_capacitance", 1.0)
-        spot, time = _spot(case), float(case["hold"])
-        if (key, time, leak) not in self.warmings:
-            self.warmings[key, time, leak] = Warming(heated.conduction, heated.weights, time, leak)
-        per_kelvin = self.share(case, stack) * self.warmings[key, time, leak].over(spot)
+        spot, patch, time = self.spot(case), _patch(case), float(case["hold"])
+        if (key, spot, time, leak) not in self.warmed:
+            self.warmed[key, spot, time, leak] = heated.warmed(spot, time, leak)
+        per_kelvin = heated.collected(self.warmed[key, spot, time, leak], patch)
         rise = case["touch_temperature"] - case.get("body_temperature", FACTORS["body_temperature"].default)
         pressed = next(case[name] for name in _CHARGES if name in case) * case.get("force", case.get("load"))
         left = abs(pressed) * np.exp(-time / leak)
         equal = min(left / abs(per_kelvin), NEVER_TEMPERATURE) if per_kelvin else NEVER_TEMPERATURE
-        share = abs(rise) * self.share(case, stack) / case.get("heat_share", 1.0)
-        reached = (key, spot, leak, share, pressed)
+        share = abs(rise) / case.get("heat_share", 1.0)
+        reached = (key, spot, patch, leak, share, pressed)
         if reached not in self.times:
-            self.times[reached] = heated.overtaken(spot, abs(pressed) / share, leak) if share else NEVER_TIME
+            self.times[reached] = heated.overtaken(spot, patch, abs(pressed) / share, leak) if share else NEVER_TIME
         return np.array([rise * per_kelvin, equal, min(self.times[reached], NEVER_TIME)])
 
     def stack(self, case: Mapping[str, Any]) -> Stack:
@@ -138,14 +155,33 @@ class _Touches:
     def _found(self, which: object) -> Material:
         return which if isinstance(which, Material) else find(str(which), self.materials)
 
-    def share(self, case: Mapping[str, Any], stack: Stack) -> float:
-        """Rise of the surface over that of what touches: all of it where the punch is rigid or has no name."""
-        which = case.get("punch")
-        if absent(which) or which == RIGID_PUNCH:
-            return 1.0
-        known = punches().get(str(which)) if str(which) not in self.materials else None
-        thermal = self._found(which).thermal if known is None else known.thermal
-        return touch_step(stack.top.material, thermal, 1.0, f"the punch {which}")
+    def spot(self, case: Mapping[str, Any]) -> Spot:
+        """The contact of one case; a punch that is rigid or has no name is a perfect conductor."""
+        which, punch = case.get("punch"), None
+        if not (absent(which) or which == RIGID_PUNCH):
+            known = punches().get(str(which)) if str(which) not in self.materials else None
+            thermal = self._found(which).thermal if known is None else known.thermal
+            conductivity, capacity = (
+                constant(name, thermal, f"the punch {which}") for name in ("conductivity", "heat_capacity")
+            )
+            punch = conductivity, capacity
+        round_in_air = (case.get("surroundings") or around(case)) == AIR and case.get("profile", "cylinder") in _ROUND
+        return Spot(*_shape(case), punch, float(case["radius"]) if round_in_air else None)
+
+
+def _shape(case: Mapping[str, Any]) -> tuple[Shape, float]:
+    """Shape of a contact, and its radius or half-width [m]."""
+    if "contact_radius" in case:
+        return "disc", float(case["contact_radius"])
+    return "strip", float(case["contact_trailing"] + case["contact_leading"]) / 2
+
+
+def _patch(case: Mapping[str, Any]) -> Patch | None:
+    """Patch of an electrode that collects a case's charge; None: an electrode without end, or the punch."""
+    if "patch_size" not in case:
+        return None
+    strip = "contact_radius" not in case or case.get("patch", "disc") == "strip"
+    return Patch("strip" if strip else "disc", float(case["patch_size"]) / 2, float(case.get("patch_position", 0.0)))
 
 
 def stack_of(
@@ -170,47 +206,23 @@ def responses(
     HeatError names a constant that is not known.
     """
     touches = _Touches(materials, phases)
-    contact = {name: float(solved[name].squeeze()) for name in _CONTACT if name in solved}
+    case = {**case, **{name: float(solved[name].squeeze()) for name in (*_CONTACT, *_CAPACITANCES) if name in solved}}
     stack = touches.stack(case)
     heated = HeatedStack.of(stack, None if "collector" not in case else int(case["collector"]))
-    spot, share = _spot({**case, **contact}), touches.share(case, stack)
-    charges = [heated.charges([spot], time)[0] for time in times]
-    return share * np.array(charges), heated.uniform * spot.area
+    spot, patch = touches.spot(case), _patch(case)
+    charges = [heated.collected(heated.warmed(spot, time), patch) for time in times]
+    return np.array(charges), heated.uniform * charged_area(case, stack)
 
 
-def widened(
-    case: Mapping[str, Any],
-    solved: xr.Dataset,
-    materials: Mapping[str, Material] = MappingProxyType({}),
-    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
-) -> tuple[float, float]:
-    """Width that a surface without loss adds to the warm spot of one solved film [m], and the charge it adds over 1.
+def charged_area(case: Mapping[str, Any], stack: Stack) -> float:
+    """Area of film whose charge an electrode collects where all of the film is polarised alike [m2], of lines [m].
 
-    Beside a warm half-line an insulated surface has the temperature erfc(sqrt(q x)), q^2 = s/diffusivity (A.
-    Sommerfeld, Math. Ann. 47 (1896) 317). Its area 1/2q is sqrt(diffusivity time/pi) in time, with the diffusivity of
-    the layer which heat has reached. A patch collects the heat of a spot as wide, an electrode without end that of the
-    edge's length times the width.
+    ``case`` holds factors and quantities. Such a film has one open voltage everywhere. So the charge of a punch is that
+    voltage times its capacitance, air included (reciprocity). An electrode without end collects without limit.
     """
-    touches = _Touches(materials, phases)
-    contact = {name: float(solved[name].squeeze()) for name in _CONTACT if name in solved}
-    heated = HeatedStack.of(touches.stack(case), None if "collector" not in case else int(case["collector"]))
-    layers, time, spot = heated.conduction, float(case["hold"]), _spot({**case, **contact})
-    widths = np.sqrt(layers.conductivity / layers.capacity * time / np.pi)
-    width = float(widths[np.argmax(widths <= np.append(np.cumsum(layers.thickness), np.inf))])
-    if spot.patch is None:
-        return width, (2 if spot.shape == "disc" else 1) * width / spot.half_width
-    wide = replace(spot, half_width=spot.half_width + width)
-    return width, float(heated.charges([wide], time)[0] / heated.charges([spot], time)[0] - 1)
-
-
-def _spot(case: Mapping[str, Any]) -> Spot:
-    """The contact as a warm spot above what collects its charge."""
-    point = "contact_radius" in case
-    half = float(case["contact_radius"] if point else (case["contact_trailing"] + case["contact_leading"]) / 2)
-    shape: Shape = "disc" if point else "strip"
+    shape, half = _shape(case)
+    contact, patch = Spot(shape, half).area, _patch(case)
     if "collector" not in case:
-        return Spot(shape, half, shape, half)
-    if "patch_size" not in case:
-        return Spot(shape, half)
-    patch: Shape = "strip" if not point or case.get("patch", "disc") == "strip" else "disc"
-    return Spot(shape, half, patch, float(case["patch_size"]) / 2, float(case.get("patch_position", 0.0)))
+        capacitance = next((float(case[name]) for name in _CAPACITANCES if name in case), 0.0)
+        return max(contact, capacitance * film_gap(stack) / VACUUM_PERMITTIVITY)
+    return np.inf if patch is None or patch.shape != shape else Spot(shape, patch.half_width).area

@@ -154,13 +154,23 @@ class AirContacts:
         )  # fmt: skip
         return LineStates(frame, unknowns, held, self.table, contact.loading, far, np.stack(media, 1))
 
-    @cached_property
+    @property
     def solved(self) -> Settled[LineStates]:
         """The solutions under the prescribed charges."""
+        return self._settled.require()
+
+    @cached_property
+    def _settled(self) -> Settled[LineStates]:
         states = self.states()
         loads = states.loading.loads
         parameters = [states.unknowns[:, :1], np.log(loads[:, :1]), loads[:, 1:] / loads[:, :1], np.log(states.media)]
-        return settled(states, np.concatenate(parameters, 1)).require()
+        return settled(states, np.concatenate(parameters, 1))
+
+    @property
+    def within(self) -> bool:
+        """Return True if all contacts are found between the ends of the table."""
+        log_half, interval = self._settled.states.unknowns[:, 0], self.table.table.interval
+        return bool(np.all(self._settled.valid & (interval.low < log_half) & (log_half < interval.high)))
 
     def held(self, held: tuple[bool, bool], idle: Settled[LineStates]) -> Settled[LineStates]:
         """The solutions at potentials of zero, from the same contacts with prescribed charges.

@@ -453,15 +453,16 @@ class Settled(Generic[_State]):
         right = np.zeros((states.unknowns.shape[1], count))
         right[0, 0] = 1.0
         right[_CLOSING + np.arange(count - 1), 1 + np.arange(count - 1)] = 1.0
-        chords, active, part = list(self.chords), np.arange(len(self.chords)), states
-        result, last = np.stack([chord.causes[:, :count] for chord in chords]), np.ones(len(chords))
+        chords: list[Factored | None] = list(self.chords)
+        active, part, last = np.arange(len(chords)), states, np.ones(len(chords))
+        result = np.stack([chord.causes[:, :count] for chord in self.chords])
         for _ in range(_REFINEMENTS):
             change = _solved(_of(chords, active), right - part.derivative(result[active]))
             size = _largest(change, part.terms.sizes) / _largest(result[active], part.terms.sizes)
             slow = np.flatnonzero(~(size < _SLOW * last) & ~(size < _STALLED))
             if slow.size:  # equations of another state
                 _renew(chords, active, part, slow)
-                result[active[slow]] = np.stack([chords[case].causes[:, :count] for case in active[slow].tolist()])
+                result[active[slow]] = np.stack([chord.causes[:, :count] for chord in _of(chords, active[slow])])
                 change[slow] = 0.0
             result[active] += change
             done = (size**2 < _TANGENT_CLOSE * last) | ((size > last / 2) & (size < _STALLED))

@@ -337,6 +337,7 @@ class AirTable:
 
     table: Table
     farthest: float = 0.0
+    clipped: bool = True  # Whether half-lengths beyond the table have the outputs of its end
 
     @cached_property
     def operators(self) -> Operators:
@@ -364,8 +365,8 @@ class AirTable:
         solving = np.zeros(operators.rows, dtype=bool)
         solving[:SOLVING] = solving[FIRST : operators.rows - ANGLES.size * len(operators.system.fields)] = True
         return (
-            Outputs(np.ascontiguousarray(values[:, solving]), interval, clipped=True),
-            Outputs(np.ascontiguousarray(values[:, ~solving]), interval, clipped=True),
+            Outputs(np.ascontiguousarray(values[:, solving]), interval, self.clipped),
+            Outputs(np.ascontiguousarray(values[:, ~solving]), interval, self.clipped),
         )
 
     @property

@@ -1,6 +1,7 @@
 """Every quantity of contacts with air beside them by its name (theory section 10)."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,13 +21,19 @@ from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import RESPONSES
 from solver.twoport import Compliance
 
-_AIR_NODES = 12  # half-lengths of a window: 1e-7 between them
+_AIR_NODES, _FEW = 12, 6  # half-lengths of a window, 3e-7 between them, and of a part of it, 1e-9
+_PART, _BEYOND = 0.1, 0.015  # of log h: length of a part, and its overlap with the next one; air moves a contact less
 
 
 @cached
-def _air_window(kind: Kind, number: int, reach: float) -> AirTable:
+def _air_window(kind: Kind, number: int, reach: float, part: int | None = None) -> AirTable:
+    """Table of a window, or of the part of it about a half-length."""
     whole = window(kind, number)
-    return AirTable(type(whole)(whole.system, whole.lower, whole.upper, _AIR_NODES), reach)
+    if part is None:
+        return AirTable(replace(whole, nodes=_AIR_NODES), reach)
+    lower, upper = np.exp([part * _PART - _BEYOND, (part + 1) * _PART + _BEYOND]).tolist()
+    # zero potentials move a contact by a hundredth: few powers read as far beyond the ends without loss
+    return AirTable(replace(whole, lower=lower, upper=upper, nodes=_FEW), reach, clipped=False)
 
 
 def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
@@ -67,8 +74,17 @@ def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[Indices, AirCon
         for reach in np.unique(reaches).tolist():
             alike = np.flatnonzero(reaches == reach)
             # all contacts of a window share a table if they can
-            table = _air_window(films.kind, number, reach if grid_of(*ends, reach).panels > usual else 0.0)
+            farther = reach if grid_of(*ends, reach).panels > usual else 0.0
             alike = alike[np.argsort(contact.half_width[alike], kind="stable")]
+            first, last = np.floor(np.log(contact.half_width[alike[[0, -1]]]) / _PART).astype(int).tolist()
+            if first == last:
+                near = AirContacts(
+                    _air_window(films.kind, number, farther, first), contact.part(alike), air[places[alike]]
+                )
+                if alike.size <= together(near.states()) and near.within:
+                    yield places[alike], near
+                    continue
+            table = _air_window(films.kind, number, farther)
             count = together(AirContacts(table, contact.part(alike), air[places[alike]]).states())
             for start in range(0, alike.size, count):
                 some = alike[start : start + count]

@@ -6,10 +6,9 @@ A film between electrodes on one potential, on a thick base that it follows in i
 
 and p_sigma where it is free. Its sign is that of D_y along +y. Several layers between two electrodes are plates in
 series: each counts by its share h/eps of the sum. A material without piezoelectric constants has no polar axis: 0.
-What the layers' own warm spot strains, as a body does that is warm in one place only, is left out.
+The strain of a body that is warm in one place only is left out.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,12 +16,16 @@ import numpy as np
 import scipy  # scipy.optimize, slow to import, and few jobs ask for heat
 
 from approximation.arrays import Array
-from solver.heat.conduction import Conduction, Spot, Warming
+from solver.heat.conduction import Conduction
+from solver.heat.touch import Patch, Spot, Warmed
 from solver.material.constants import Material, MaterialError
 from solver.material.evidence import Sourced
+from solver.names import THERMAL
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Stack
+from solver.units import VACUUM_PERMITTIVITY
 
+_CONDUCTS = ("conductivity", "heat_capacity")
 _EARLIEST, _LATEST = 1e-6, 1e6  # s, between which heat overtakes a force, or never
 _PER_DECADE = 6
 _LEAST = 1e-8  # charge over another one that is lost in rounding
@@ -36,7 +39,11 @@ def constant(name: str, thermal: dict[str, Sourced] | object, owner: str) -> flo
     """Value of a constant for heat of a body."""
     if not isinstance(thermal, dict) or name not in thermal:
         raise HeatError(f"heat: not known for {owner}: {name}")
-    return float(thermal[name].value)
+    value, positive = float(thermal[name].value), name in _CONDUCTS
+    if not np.isfinite(value) or (positive and value <= 0):
+        allowed = f"a finite number{' > 0' if positive else ''} [{THERMAL[name].units}]"
+        raise MaterialError(f"{owner}: thermal: {name}: {value:g} is not {allowed}")
+    return value
 
 
 def film_coefficient(film: Material, base: Material | None = None) -> float:
@@ -62,9 +69,6 @@ def conduction(stack: Stack) -> Conduction:
     values = {name: np.array([constant(name, m.thermal, m.name) for m in bodies]) for name in _CONDUCTS}
     thickness = np.array([layer.thickness for layer in stack.layers])
     return Conduction(thickness, values["conductivity"], values["heat_capacity"])
-
-
-_CONDUCTS = ("conductivity", "heat_capacity")
 
 
 def layer_weights(stack: Stack, collector: int | None = None) -> Array:
@@ -95,15 +99,11 @@ def layer_weights(stack: Stack, collector: int | None = None) -> Array:
     return weights
 
 
-def touch_step(
-    surface: Material, toucher: dict[str, Sourced] | object, difference: float, owner: str = "punch"
-) -> float:
-    """Rise of the surface that something touches which is warmer by a difference [K]: both as half-spaces."""
-    effusivities = [
-        np.sqrt(constant("conductivity", thermal, name) * constant("heat_capacity", thermal, name))
-        for thermal, name in ((toucher, owner), (surface.thermal, surface.name))
-    ]
-    return float(difference * effusivities[0] / sum(effusivities))
+def film_gap(stack: Stack) -> float:
+    """Thickness of air whose capacitance is that of the layers above the first electrode [m]; 0 without one."""
+    below = electrodes(stack)
+    layers = [(layer.thickness, layer.material) for layer in stack.layers[: below[0][0] + 1 if below else 0]]
+    return VACUUM_PERMITTIVITY * sum(h / float(m.eps33 + m.e33**2 / m.c33) for h, m in layers)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,33 +112,35 @@ class HeatedStack:
 
     conduction: Conduction
     weights: Array  # charge per area and kelvin of each layer [C m-2 K-1]; (layer,)
+    film_gap: float | None  # as of film_gap() where the punch collects [m]; None: an electrode below does
 
     @classmethod
     def of(cls, stack: Stack, collector: int | None = None) -> "HeatedStack":
         """The stack as it conducts heat and makes charge."""
-        return cls(conduction(stack), layer_weights(stack, collector))
+        conducting, weights = conduction(stack), layer_weights(stack, collector)
+        return cls(conducting, weights, film_gap(stack) if collector is None else None)
 
     @property
     def uniform(self) -> float:
         """Charge per area and kelvin of one change of temperature everywhere [C m-2 K-1]."""
         return float(self.weights.sum())
 
-    def charges(self, spots: Sequence[Spot], time: float, leak: float = np.inf) -> Array:
-        """Charges per kelvin of the touched surface after a time [C/K], of strips per metre [C m-1 K-1]; (spot,).
+    def warmed(self, spot: Spot, time: float, leak: float = np.inf) -> Warmed:
+        """Layers at a time after a touch, as a circuit whose time constant is ``leak`` [s] still shows them."""
+        return Warmed.after(self.conduction, self.weights, spot, time, leak)
 
-        A circuit whose time constant is ``leak`` [s] still shows these charges.
-        """
-        warming = Warming(self.conduction, self.weights, time, leak)
-        return np.array([warming.over(spot) for spot in spots])
+    def collected(self, warmed: Warmed, patch: Patch | None) -> float:
+        """Charge per kelvin of the punch [C/K], of lines [C m-1 K-1]."""
+        return warmed.over(patch) if self.film_gap is None else warmed.on_punch(self.film_gap)
 
-    def overtaken(self, spot: Spot, charge: float, leak: float = np.inf) -> float:
+    def overtaken(self, spot: Spot, patch: Patch | None, charge: float, leak: float = np.inf) -> float:
         """Time at which the charge per kelvin reaches a size [s], infinite if later than 1e6 s.
 
         The charge decays with the circuit's time constant ``leak`` [s] as well.
         """
 
         def excess(log: float) -> float:
-            heat_charge = abs(Warming(self.conduction, self.weights, 10**log, leak).over(spot))
+            heat_charge = abs(self.collected(self.warmed(spot, 10**log, leak), patch))
             return float(np.log(max(heat_charge, _LEAST * abs(charge)) / abs(charge)) + min(10**log / leak, 700.0))
 
         low, high = np.log10(_EARLIEST), np.log10(_LATEST)

@@ -4,19 +4,20 @@ The one-dimensional volumes are exact in time, by the eigenvalues of their tridi
 take steps of the L-stable implicit method of order two by R. Alexander. Neither knows transforms.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from scipy.linalg import eigh_tridiagonal
-from scipy.sparse import csc_array, diags_array
+from scipy.sparse import block_diag, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from approximation.arrays import Array, Indices
 
 _DEEP = 9.0  # depth of the base and radius of the mesh over the diffusion length: what is beyond changes less than 1e-9
+_AIR = 0.0257  # W/m/K
+_STEPS = 6  # between a time and four times as much
 _ALEXANDER = 1 - 0.5**0.5
 
 
@@ -55,46 +56,97 @@ def spot_heat(
     film: int,
     time: float,
     radius: float,
-    collecting: float,
     *,
-    outside: Literal["held", "insulated"] = "held",
-    cells: int = 24,
-    steps: int = 60,
+    share: Callable[[Array], Array],
+    marks: Sequence[float] = (),
+    punch: Slab | None = None,
+    gap: Callable[[Array], Array] | None = None,
+    line: bool = False,
+    cells: int = 12,
 ) -> float:
-    """Integral of a layer's mean temperature over a disc [m2 K] after a unit step on a disc-shaped spot.
+    """Integral of a layer's mean temperature over the surface [m2 K], of a line over its width [m K].
 
-    ``radius`` is the spot's, ``collecting`` the disc's; outside the spot the surface is held at zero or insulated.
+    The surface is touched on a disc of a radius by a body that is warmer by 1 K, a half-space of the material
+    ``punch`` or one temperature. Beside the disc is a layer of air of some height (``gap``), or no heat passes.
+    ``share`` weights the integral by the distance from the middle, with jumps at ``marks``. Extrapolated from two
+    meshes.
     """
-    widths, conductivity, capacity, layer = _column(slabs, base, time, cells)
-    reach = _DEEP * max(np.sqrt(part.conductivity / part.capacity * time) for part in (*slabs, base))
-    edges = _rings(sorted({radius, collecting}), max(radius, collecting) + reach, cells)
-    middles, areas = (edges[1:] + edges[:-1]) / 2, np.pi * np.diff(edges**2)
-    rows, columns = len(widths), len(areas)
-    number = np.arange(rows * columns).reshape(rows, columns)
+    coarse, fine = (
+        _spot_heat(slabs, base, film, time, radius, share, marks, punch, gap, line, count)
+        for count in (cells, 3 * cells // 2)
+    )
+    return fine + 0.8 * (fine - coarse)
+
+
+def _spot_heat(
+    slabs: Sequence[Slab],
+    base: Slab,
+    film: int,
+    time: float,
+    radius: float,
+    share: Callable[[Array], Array],
+    marks: Sequence[float],
+    punch: Slab | None,
+    gap: Callable[[Array], Array] | None,
+    line: bool,
+    cells: int,
+) -> float:
+    widths, conductivity, capacity, layer = _column(slabs, base, time, cells, at_faces=True)
+    parts = [*slabs, base, *([punch] if punch else [])]
+    reach = _DEEP * max(np.sqrt(part.conductivity / part.capacity * time) for part in parts)
+    edges = _rings(sorted({radius, *(mark for mark in marks if mark > 0)}), max(radius, *marks, 0.0) + reach, cells)
+    middles = (edges[1:] + edges[:-1]) / 2
+    areas = 2 * np.diff(edges) if line else np.pi * np.diff(edges**2)
+    crossed = np.full(len(middles) - 1, 2.0) if line else 2 * np.pi * edges[1:-1]
+    inside = np.where(middles < radius, 0.0, np.inf if gap is None else gap(middles) / _AIR)
+    first = widths[0] / (2 * conductivity[0])
+    matrix, mass = _body(widths, conductivity, capacity, areas, crossed / np.diff(middles))
+    columns, below = len(areas), len(mass)
+    if punch:
+        heights = _DEEP * np.sqrt(punch.conductivity / punch.capacity * time) * _rising(widths[0], reach, cells)
+        above = np.full(len(heights), punch.conductivity), np.full(len(heights), punch.capacity)
+        upper, mass_above = _body(heights, *above, areas, crossed / np.diff(middles))
+        into = areas / (first + heights[0] / (2 * punch.conductivity) + inside)
+        place = np.arange(columns)
+        matrix = block_diag([matrix, upper], format="csc") + _links(place, below + place, into, below + len(mass_above))
+        mass, source = np.append(mass, mass_above), np.zeros(below + len(mass_above))
+        temperatures = np.append(np.zeros(below), np.ones(len(mass_above)))
+    else:
+        source, temperatures = np.zeros(below), np.zeros(below)
+        source[:columns] = areas / (first + inside)
+        matrix = csc_array(matrix + diags_array(source))
+    for start, end in pairwise(time * np.concatenate([[0.0], 4.0 ** np.arange(-8, 1)])):
+        temperatures = _advanced(matrix, mass, source, temperatures, (end - start) / _STEPS, _STEPS)
+    warm = temperatures[:below].reshape(-1, columns)[layer == film]
+    return float(widths[layer == film] @ warm @ (areas * share(middles)) / widths[layer == film].sum())
+
+
+def _body(widths: Array, conductivity: Array, capacity: Array, areas: Array, aside: Array) -> tuple[csc_array, Array]:
+    """Conductances between the volumes of a body, from the surface on, and their heat capacities."""
+    number = np.arange(len(widths) * len(areas)).reshape(len(widths), -1)
     resistance = (widths / (2 * conductivity))[:, None] / areas
     down = 1 / (resistance[:-1] + resistance[1:])
-    aside = np.outer(widths * conductivity, 2 * np.pi * edges[1:-1] / np.diff(middles))
-    matrix = _links(number[:-1], number[1:], down) + _links(number[:, :-1], number[:, 1:], aside)
-    spot = middles < radius
-    entering = np.zeros((rows, columns))
-    entering[0] = np.where(spot, 1 / resistance[0], 0.0)
-    held = entering.copy()
-    if outside == "held":
-        held[0] = 1 / resistance[0]
-    matrix = csc_array(matrix + diags_array(held.ravel()))
-    mass, source = np.outer(widths * capacity, areas).ravel(), entering.ravel()
-    temperatures = np.zeros(rows * columns)
-    ends = time * np.concatenate([[0.0], 4.0 ** np.arange(-5, 1)])
-    for start, end in pairwise(ends):
-        temperatures = _advanced(matrix, mass, source, temperatures, (end - start) / steps, steps)
-    inside = temperatures.reshape(rows, columns)[layer == film][:, middles < collecting]
-    weights = np.outer(widths[layer == film], areas[middles < collecting])
-    return float((weights * inside).sum() / widths[layer == film].sum())
+    matrix = _links(number[:-1], number[1:], down, number.size)
+    matrix = matrix + _links(number[:, :-1], number[:, 1:], np.outer(widths * conductivity, aside), number.size)
+    return matrix, np.outer(widths * capacity, areas).ravel()
 
 
-def _column(slabs: Sequence[Slab], base: Slab, time: float, cells: int) -> tuple[Array, Array, Array, Indices]:
-    """Widths, conductivities, capacities and layers of the volumes below each other, the base's last."""
-    widths = [np.full(cells, slab.thickness / cells) for slab in slabs]
+def _rising(first: float, end: float, cells: int) -> Array:
+    """Widths of volumes as shares of a depth, growing from a first one [m] on."""
+    stretch = np.log(end / first)
+    return np.asarray(np.diff(np.expm1(stretch * np.linspace(0, 1, 3 * cells + 1)) / np.expm1(stretch)))
+
+
+def _column(
+    slabs: Sequence[Slab], base: Slab, time: float, cells: int, *, at_faces: bool = False
+) -> tuple[Array, Array, Array, Indices]:
+    """Widths, conductivities, capacities and layers of the volumes below each other, the base's last.
+
+    ``at_faces``: the volumes are finer at both faces of a layer, for what changes along the surface.
+    """
+    even = np.linspace(0, 1, cells + 1)
+    shares = np.diff((1 - np.cos(np.pi * even)) / 2 if at_faces else even)
+    widths = [slab.thickness * shares for slab in slabs]
     depth = _DEEP * np.sqrt(base.conductivity / base.capacity * time)
     first = min(slabs[-1].thickness, depth / 4) / depth if slabs else 0.25
     stretch = np.log(1 / first) + 1  # volumes of the base grow from about the last layer's on
@@ -117,14 +169,13 @@ def _rings(marks: Sequence[float], end: float, cells: int) -> Array:
         share = (1 - np.cos(np.pi * np.linspace(0, 1, 2 * cells + 1)[1:])) / 2
         points.append(start + (mark - start) * share)
         start = mark
-    share = np.expm1(5 * np.linspace(0, 1, 3 * cells + 1)[1:]) / np.expm1(5)
-    return np.concatenate([*points, start + (end - start) * share])
+    first = float(np.diff(points[-1])[-1]) if len(points[-1]) > 1 else start
+    return np.concatenate([*points, start + (end - start) * np.cumsum(_rising(first / 2, end - start, cells))])
 
 
-def _links(first: Indices, second: Indices, conductance: Array) -> csc_array:
+def _links(first: Indices, second: Indices, conductance: Array, size: int) -> csc_array:
     """Matrix of the heat that flows between volumes."""
     i, j, g = first.ravel(), second.ravel(), conductance.ravel()
-    size = int(max(i.max(), j.max())) + 1
     entries = np.concatenate([g, g, -g, -g]), (np.concatenate([i, j, i, j]), np.concatenate([i, j, j, i]))
     return csc_array(entries, shape=(size, size))
 

@@ -39,6 +39,7 @@ _RULES = {
     "figure_measurements": "drawing what was measured",
     "provenance": "recording where the results come from",
     "solved": "solving what the page tells of the designs",
+    "sweeps": "gathering the effects of the baseline",
     "report": "writing the page",
 }
 _CLEAR = "\r\x1b[K"

@@ -8,13 +8,12 @@ import xarray as xr
 
 from approximation.arrays import Array
 from solver import solve, solve_interior, solve_map
+from solver.body import HALF_PLANE
 from solver.fields import FIELDS, POINT_FIELDS
 from solver.names import FACTORS, OF_A_FILM
 from workflow.study.model import Study
 from workflow.study.sections import Effects
 
-#: What stands for the value of a film's factor where there is no film.
-HALF_PLANE = "half-plane"
 #: Quantities that are shown over the random surfaces of a rough sphere.
 SPREAD = ("peak_pressure", "charge_per_force", "depth")
 _CELLS = 121  # of a map along each side, as in a figure of 4 cm
@@ -23,7 +22,7 @@ _CELLS = 121  # of a map along each side, as in a figure of 4 cm
 def effect(study: Study, factor: str) -> xr.Dataset:
     """Quantities over the values of one factor and surface fields over (factor, position).
 
-    The last value of a film's factor is the half-plane beside it, where the study asks for that: `HALF_PLANE`, or NaN
+    The last value of a film's factor is the half-plane beside it, where the study asks for that: its name, or NaN
     among numbers.
     """
     if study.effects is None:
@@ -36,6 +35,21 @@ def effect(study: Study, factor: str) -> xr.Dataset:
     out = _beside_half_plane(study.effects, factor, study.effects.case(factor), solved)
     fields = [name for name in FIELDS | POINT_FIELDS if name in out]
     return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(fields))
+
+
+def together(sweeps: Mapping[str, xr.Dataset]) -> xr.Dataset:
+    """One data set of effects about one baseline, over (case, position); every case has every factor."""
+    parts = [
+        data.drop_indexes(factor)
+        .rename_dims({factor: "case"})
+        .reset_coords()
+        .assign(varied=("case", [factor] * data.sizes[factor]))
+        for factor, data in sweeps.items()
+    ]
+    whole = xr.concat(parts, "case", data_vars="all", join="override", combine_attrs="drop_conflicts")
+    whole["varied"].attrs |= {"units": "1", "long_name": "factor that varies; all others are at the baseline"}
+    factors = {str(name) for data in sweeps.values() for name in data.coords} & {str(name) for name in whole.data_vars}
+    return whole.set_coords([*sorted(factors), "varied"]).assign_attrs(title=f"effects of {', '.join(sweeps)}")
 
 
 def interior(study: Study, factor: str) -> xr.Dataset:
@@ -97,7 +111,7 @@ def _beside_half_plane(
     held = ", ".join(f"{name} = {value}" for name, value in case.items() if name in OF_A_FILM and name != factor)
     out = out.drop_vars([name for name in OF_A_FILM if name in out.coords and name != factor])
     shared = [name for name in out.data_vars if name in half_plane]
-    label = np.array([np.nan if factor in FACTORS else HALF_PLANE])
+    label = np.array([np.nan if factor in FACTORS else HALF_PLANE.name])
     whole = xr.concat(
         [out[shared], half_plane[shared].expand_dims({factor: label})],
         factor, data_vars="all", coords="minimal", compat="override", join="override",

@@ -126,4 +126,5 @@ def size(name: str, text: str) -> tuple[float, float]:
 def told(name: str, text: str) -> str:
     """A size as people write it."""
     absolute, _ = size(name, text)
-    return shown(absolute, units_of(name)) if absolute else text.strip()
+    in_degrees = text.strip().endswith("deg")
+    return shown(absolute, units_of(name)) if absolute and not in_degrees else text.strip()

@@ -38,7 +38,8 @@ def study(study: Study) -> str:
         varied = listed([titles.title(name) for name in study.effects.vary]) if study.effects else "nothing"
         return f"On {where}, one factor at a time is varied: {varied}."
     names = [*map(titles.title, study.factors), *map(titles.title, study.categories)]
-    return f"On {where}, {len(names)} factors are varied: {listed(names)}."
+    varied = "one factor is" if len(names) == 1 else f"{len(names)} factors are"
+    return f"On {where}, {varied} varied: {listed(names)}."
 
 
 def dataset(study: Study, cases: int, rows: Sequence[Row]) -> str:

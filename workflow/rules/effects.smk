@@ -15,6 +15,23 @@ rule effect:
         "../scripts/effect.py"
 
 
+rule sweeps:
+    input:
+        lambda wildcards: expand(
+            "results/{study}/fields/effect_{name}.nc", study=wildcards.study, name=study_of(wildcards).effects.of_baseline
+        ),
+    output:
+        "results/{study}/sweeps.nc",
+    params:
+        factors=lambda wildcards: study_of(wildcards).effects.of_baseline,
+        code=provenance.code("workflow/scripts/sweeps.py"),
+    log:
+        "logs/{study}/sweeps.log",
+    localrule: True
+    script:
+        "../scripts/sweeps.py"
+
+
 rule map:
     output:
         "results/{study}/fields/map_{name}.nc",

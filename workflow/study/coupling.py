@@ -1,9 +1,8 @@
 """Fields of a study's cases: those that a material couples to, or in which a punch has a charge."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-import xarray as xr
 
 from solver import Material, find
 from solver.fields import Field, fields_of
@@ -80,12 +79,6 @@ def aims(study: Contents) -> list[str]:
     names = dict.fromkeys(name for goal in goals for name in goal.names())
     outputs = [name for name in names if name in study.outputs] or study.outputs[:2]
     return [output(name, combination) for name in outputs for combination in study.combinations]
-
-
-def kept(data: xr.Dataset, coupled: Collection[str]) -> xr.Dataset:
-    """Fields or quantities of a file without those that measure another field than the study's own."""
-    units = {name: str(array.attrs.get("units", "1")) for name, array in data.data_vars.items()}
-    return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(coupled)])
 
 
 def materials(study: Contents) -> list[Material]:

@@ -230,6 +230,11 @@ class Effects(Strict):
                 raise ValueError(f"film: {name}: stands in the baseline already; a film there is that of all effects")
         return self
 
+    @property
+    def of_baseline(self) -> list[str]:
+        """Factors of the baseline that vary."""
+        return [name for name in self.vary if name in self.baseline]
+
     def case(self, factor: str) -> dict[str, Any]:
         """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
         film = self.film if factor in OF_A_FILM else {}

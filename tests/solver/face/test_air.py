@@ -42,6 +42,18 @@ def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> N
     assert float(computed["capacitance_at_load"]) == pytest.approx(float(computed["capacitance_per_length"]), rel=1e-9)
 
 
+@pytest.mark.parametrize("sliding", [{}, {"friction": 0.3}])
+def test_a_load_alone_has_the_quantities_that_it_has_in_a_sweep(sliding: dict[str, Any]) -> None:
+    """Alone it reads a narrow table of other half-lengths, in a sweep one of half a decade, which errs by 3e-7."""
+    loads = np.geomspace(1e4, 4e4, 7)
+    sweep = solver.solve(FILM | sliding | {"load": xr.DataArray(loads, dims="load")})
+    for load in loads.tolist():
+        alone = solver.solve(FILM | sliding | {"load": load})
+        for name in ("contact_leading", "peak_pressure", "voltage", "voltage_per_load", "gap_field"):
+            assert float(alone[name]) == pytest.approx(float(sweep[name].sel(load=load)), rel=1e-6), name
+            assert float(alone[name]) != float(sweep[name].sel(load=load)), "both read the same table"
+
+
 BALL: dict[str, Any] = {
     "material": "PZT-4", "profile": "sphere", "radius": 5e-3, "force": 0.1, "magnetic": "insulating"
 }  # fmt: skip

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import find, solve
+from solver import Layer, Stack, find, solve
 from solver.body import kind_of
+from solver.names import BODY
 from solver.surface import response as surface
 from solver.surface.contact import solve_contact
 from solver.surface.shape import Roller, RoughSphere, sphere
@@ -20,6 +21,7 @@ from workflow.design.verdict.leftout import LeftOut, SolvedCase
 from workflow.design.verdict.variable import End
 from workflow.design.wording import words
 from workflow.language import statements
+from workflow.language.numbers import shown
 from workflow.study import load, signal_case
 from workflow.study.allowable import Allowable
 from workflow.study.sections import Pressing
@@ -267,9 +269,9 @@ def test_a_ball_on_a_film_has_the_figures_of_its_page() -> None:
     exact = solve(BALL | {"touch_temperature": 294.15, "hold": 1.0})
     assert heat.left_out_matters == pytest.approx(float(exact["temperature_equal"]))
     assert heat.left_out_share == pytest.approx(1 / heat.left_out_matters)
-    assert "2 mK the smallest force" in heat.left_out_words
-    # 539 uC/m2/K (docs/heat.md) over pi (36.175 um)^2, of 40.0 pC times 5 uN/0.2 N
-    assert heat.left_out_words.endswith("; of the whole body 450 µK equal the smallest force.")
+    assert "85 µK the smallest force" in heat.left_out_words
+    # 40.0 pC times 5 uN/0.2 N over 14.625 pF times 539 uC/m2/K 80 um/7.603 nF/m (docs/heat.md)
+    assert heat.left_out_words.endswith("; of the whole body 12 µK equal the smallest force.")
     assert [*budget][:2] == ["spark beside the contact", "mass of the punch"]  # what is exceeded stands first
 
 
@@ -279,35 +281,32 @@ def test_the_quickstarts_ball_is_recommended_with_room() -> None:
     contact = signal_case.of(study)
     case = leftout.of_study(contact, {**contact.fixed, "force": study.signal.force}, 1e-4, np.nan, study.signal.hold)
     budget = leftout.budget(case)  # against 5 %, where its constants differ by 14 %
-    assert max(effect.left_out_ratio for effect in budget if np.isfinite(effect.left_out_ratio)) < leftout.MOST / 2
+    assert max(effect.left_out_ratio for effect in budget if np.isfinite(effect.left_out_ratio)) < leftout.MOST * 2 / 3
     assert leftout.largest(budget, {"signal", "stress"}) is None
     assert {effect.left_out for effect in budget} > {"heat", "amplifier", "adhesion", "roughness", "mass of the punch"}
 
 
-def test_heat_beside_the_contact_is_that_of_an_insulated_edge() -> None:
-    """An electrode without end collects heat as the spot's area: 2 sqrt(diffusivity time/pi)/a more."""
-    case = BALL | {
-        "electrode": "top",
-        "collector": 2,
-        "surroundings": "insulated",
-        "touch_temperature": 294.15,
-        "hold": 4e-6,
-    }
-    budget = effects(case)
-    material, solved = find("PZT-4"), solve(case)
-    conductivity, capacity = (float(material.thermal[name].value) for name in ("conductivity", "heat_capacity"))
-    width = (conductivity / capacity * 4e-6 / np.pi) ** 0.5
-    effect = budget["heat beside the contact"]
-    assert effect.left_out_size == pytest.approx(width, rel=1e-12)
-    share = budget["heat"].left_out_share * 2 * width / float(solved["contact_radius"])
-    assert effect.left_out_share == pytest.approx(share, rel=1e-9)
-    below = effects(BALL | {"touch_temperature": 294.15, "hold": 4e-6})  # the punch collects below its contact alone
-    assert below["heat beside the contact"].left_out_share < below["heat"].left_out_share * 2 * width / 3.6e-5
+def test_a_change_everywhere_charges_an_electrode_without_end_without_limit() -> None:
+    read = BALL | {"electrode": "top", "collector": 2, "surroundings": "insulated"}
+    assert "of the whole body" not in effects(read)["heat"].left_out_words
+    # 539 uC/m2/K over a disc of 1 mm: the pad's own area
+    pad = effects(read | {"patch_size": 1e-3})["heat"]
+    kelvin = abs(float(solve(read | {"patch_size": 1e-3})["patch_charge_per_force"])) * 0.2 / (539e-6 * np.pi * 0.25e-6)
+    assert f"; of the whole body {shown(kelvin, 'K', 2)} equal the signal." in pad.left_out_words
+
+
+def test_heat_that_has_not_arrived_is_less_than_a_share() -> None:
+    film = Stack([Layer("PDMS", 10e-3, "grounded"), Layer("PVDF", 50e-6)], "FR4")
+    read = {"profile": "sphere", "radius": 0.01, "force": 0.05, "punch": "skin", "electric": "insulating"}
+    read |= {BODY: film, "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
+    words = effects(read)["heat"].left_out_words
+    assert words.startswith("Heat is less than 1×10⁻⁴ % of the signal for 1 K in 1 s; of the whole body ")
 
 
 def test_a_base_that_bends_and_a_pad_that_ends() -> None:
     # e31 - e33 c13/c33 of PZT-4 is -14.956 C/m2, steel has 200 GPa and 0.28: 36.175 um collect 40 pC of 0.2 N
-    assert effects(BALL)["bending of the base"].left_out_size == pytest.approx(294e-6, rel=1e-2)
+    # alone, and 37.4 times as much through the air (docs/heat.md)
+    assert effects(BALL)["bending of the base"].left_out_size == pytest.approx(294e-6 * 37.4**0.5, rel=1e-2)
     pad = {"material": "AlN", "profile": "sphere", "radius": 1e-3, "thickness": 1e-6, "base": "silicon", "force": 0.01}
     ends = effects(pad | {"electrode": "top", "collector": 2, "surroundings": "insulated"})["end of the pad"]
     assert ends.left_out_share == pytest.approx(
@@ -343,6 +342,9 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     assert half_space["roughness"].left_out_words.endswith("the charge does not move.")
     assert half_space["heat"].left_out_words == "Heat is known of films only."
     assert next(iter(half_space)) == "depoling stress"  # 2.7 times the limit
+    roller = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "profile": "roller", "radius": 0.005}
+    in_space = effects(roller | {"length": 1e-3, "force": 1.0, "grid_error": 0.05})
+    assert in_space["heat"].left_out_words == "Heat is not solved for contacts in space."
     soft = {
         "material": "PDMS",
         "profile": "sphere",

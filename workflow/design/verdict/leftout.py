@@ -16,10 +16,10 @@ from scipy.optimize import brentq
 
 from solver import FactorError, Material, MaterialError, Stack, solve
 from solver.body import Kind
-from solver.face.heat import responses, stack_of, widened
+from solver.face.heat import charged_area, responses, stack_of
 from solver.face.strain import DEEP, WIDE
 from solver.material.punches import RIGID_PUNCH, punches
-from solver.names import BODY, CHOICES, FACTORS
+from solver.names import BODY, CHOICES, FACTORS, NEVER_TEMPERATURE
 from workflow.language import titles
 from workflow.language.constants import DEVICE
 from workflow.language.numbers import number, shown
@@ -279,6 +279,11 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     """The solver's own charge of heat: `solver.heat`, docs/heat.md."""
     if not np.isfinite(case.charge):
         return
+    if case.kind.space:
+        yield _effect(
+            case, "heat", "signal", np.nan, np.nan, "K", np.nan, "heat is not solved for contacts in space", ""
+        )
+        return
     start = float(case.factors.get("body_temperature") or FACTORS["body_temperature"].default or 0.0)
     factors = {"touch_temperature": start + WARMER, "hold": case.reading_time, **case.factors}
     rise, hold = abs(float(factors["touch_temperature"]) - start), float(factors["hold"])
@@ -292,46 +297,20 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
         return
     equal = float(out["temperature_equal"].squeeze())
     share = rise / equal
-    brief = f"heat is {_times(share)} the signal"
-    detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}; {shown(equal, 'K', 2)} equal the signal"
-    kelvin, whose = case.charge / _uniform(case, out), "the signal"
-    if np.isfinite(case.smallest_force):
-        part, whose = case.smallest_force / case.force, "the smallest force"
-        detail += f", {shown(equal * part, 'K', 2)} {whose}"
-        kelvin *= part
-    detail += f"; of the whole body {shown(kelvin, 'K', 2)} equal {whose}"
-    yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, detail)
+    arrives = equal < NEVER_TEMPERATURE
+    brief = f"heat is {'' if arrives else 'less than '}{_times(share)} the signal"
+    detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}"
+    part, whose = case.smallest_force / case.force, "the smallest force"
+    if not np.isfinite(part):
+        part, whose = 1.0, "the signal"
+    if arrives:
+        detail += f"; {shown(equal, 'K', 2)} equal the signal"
+        detail += f", {shown(equal * part, 'K', 2)} {whose}" if part != 1 else ""
     body = {BODY: case.body} if case.body else {}
-    width, added = widened({**factors, **body}, out, case.materials, case.phases)
-    brief = f"heat beside the contact adds {_times(share * added)} the signal"
-    detail = f"; a surface that loses no heat widens the warm spot by {shown(width, 'm', 2)}"
-    yield _effect(case, "heat beside the contact", "signal", width, case.half, "m", share * added, brief, detail)
-
-
-def _uniform(case: SolvedCase, solved: xr.Dataset) -> float:
-    """Charge of a change of temperature everywhere [C/K]."""
-    factors = {**case.factors, **({BODY: case.body} if case.body else {})}
-    return abs(case.length * responses(factors, solved, np.empty(0), case.materials, case.phases)[1]) * _through_gap(
-        case
-    )
-
-
-def _through_gap(case: SolvedCase) -> float:
-    """Charge of a ball in air over that of its contact alone, by a change of temperature everywhere.
-
-    A film of one temperature has the same open voltage at every place. So the charge is that voltage times the
-    capacitance of the ball, gap included (reciprocity).
-    """
-    stack, capacitance = case.stack, case.solved.get("capacitance_at_force")
-    others = ("patch_charge_per_force", "electrode_charge_per_force")
-    if not (case.kind.air and case.point and stack and capacitance) or any(name in case.solved for name in others):
-        return 1.0
-    top = stack.layers[0]
-    film = top.material
-    permittivity = float(film.eps33 + film.e33**2 / film.c33)
-    if 2 not in stack.grounded[0] or not permittivity > 0:
-        return 1.0
-    return max(1.0, capacitance * float(top.thickness) / (permittivity * np.pi * case.half**2))
+    uniform = abs(case.length * responses({**case.factors, **body}, out, np.empty(0), case.materials, case.phases)[1])
+    if 0 < uniform < np.inf:
+        detail += f"; of the whole body {shown(part * case.charge / uniform, 'K', 2)} equal {whose}"
+    yield _effect(case, "heat", "signal", rise, equal, "K", share, brief, detail)
 
 
 def _pad(case: SolvedCase) -> Iterator[LeftOut]:
@@ -345,6 +324,14 @@ def _pad(case: SolvedCase) -> Iterator[LeftOut]:
     brief = f"the end of a pad of {shown(PAD, 'm', 2)} changes the charge by {number(100 * share, 2)} %"
     detail = f"; from {shown(PAD * share / _FEW, 'm', 2)} on it changes by less than {number(100 * _FEW, 2)} %"
     yield _effect(case, "end of the pad", "signal", PAD * share / _FEW, PAD, "m", share, brief, detail)
+
+
+def _through_gap(case: SolvedCase) -> float:
+    """Charge by the same polarisation of all of the film over that of the contact's part, of a punch that reads it."""
+    if "collector" in case.factors or case.stack is None or case.kind.space:
+        return 1.0
+    alone = np.pi * case.half**2 if case.point else 2 * case.half
+    return charged_area({**case.factors, **case.solved}, case.stack) / alone
 
 
 def _bending(case: SolvedCase) -> Iterator[LeftOut]:

@@ -10,15 +10,14 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from approximation.arrays import Array
+from solver.body import HALF_PLANE
 from solver.fields import POINT_FIELDS
 from solver.units import prefixed
-from workflow.dataset.effects import HALF_PLANE
 from workflow.language import numbers, titles
 from workflow.report import symbols
 from workflow.report.figures.contours import below
-from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, field_label, panels, styled
+from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, felt_only, field_label, panels, styled
 from workflow.report.svg import INK
-from workflow.study import coupling
 
 #: Fields that the parametric study shows.
 SHOWN = tuple(symbols.FIELDS)
@@ -35,9 +34,9 @@ def fields(slabs: Sequence[xr.Dataset], felt: Collection[str]) -> Figure:
     """Surface fields of a few cases: every factor in its middle but the second, or the only one, which varies.
 
     The slabs are parts of the whole along its first axis; their number does not change the figure. Fields that the
-    study does not feel (``coupling.fields``) are left out.
+    study does not feel (``workflow.study.coupling.fields``) are left out.
     """
-    slabs = [coupling.kept(slab, felt) for slab in slabs]
+    slabs = [felt_only(slab, felt) for slab in slabs]
     first, *others = (str(dim) for dim in slabs[0]["contact_pressure"].dims if dim != "position")
     if not others:
         whole = xr.concat(slabs, first)
@@ -75,7 +74,7 @@ def _said(value: xr.DataArray, digits: int = 3) -> str:
     plain = value.item()
     if isinstance(plain, str):
         return plain
-    return HALF_PLANE if np.isnan(plain) else numbers.shown(plain, value.attrs["units"], digits)
+    return HALF_PLANE.name if np.isnan(plain) else numbers.shown(plain, value.attrs["units"], digits)
 
 
 @styled
@@ -85,7 +84,7 @@ def effect(data: xr.Dataset, felt: Collection[str]) -> Figure:
     A last panel shows the pressure over lengths: positions over the half-width hide how wide the contacts are.
     """
     lengths = _lengths(data)
-    data = coupling.kept(data, felt)
+    data = felt_only(data, felt)
     varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
     return _field_panels(data, varied, lengths=lengths)
 
@@ -129,7 +128,7 @@ def _field_panels(
         else np.array([to_rgba(DISTINCT[number % len(DISTINCT)]) for number in range(len(texts))])
     )
     # the half-plane beside films
-    styles = ["--" if text == HALF_PLANE else "-" for text in texts]
+    styles = ["--" if text == HALF_PLANE.name else "-" for text in texts]
     colours[[style == "--" for style in styles]] = to_rgba(INK)
     line = "stress_xx" in data
     names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data and data[name].any()]  # not what is 0

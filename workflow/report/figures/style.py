@@ -13,6 +13,7 @@ mpl.use("Agg")
 import hashlib
 import re
 from collections import Counter
+from collections.abc import Collection
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -21,6 +22,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from solver.fields import fields_of
 from solver.units import prefixed
 from storage.files import write_bytes, write_text
 from workflow.language import numbers, titles
@@ -86,6 +88,12 @@ _STYLE = re.compile(r' style="([^"]*)"')
 _GROUP = re.compile(r"<g>|<g [^>]*>|</g>")
 _ID = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
 _PATH_PART = re.compile(r"([A-Za-z])([^A-Za-z]*)")
+
+
+def felt_only(data: xr.Dataset, felt: Collection[str]) -> xr.Dataset:
+    """Fields or quantities of a file without those that measure another field than the study's own."""
+    units = {name: str(array.attrs.get("units", "1")) for name, array in data.data_vars.items()}
+    return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(felt)])
 
 
 def field_label(field: xr.DataArray, size: float, where: str = "", most: int = 60) -> tuple[float, str]:

@@ -20,10 +20,10 @@ function drawChart(svg, { title, x, y, curves }) {
   const across = ticks(...x.limits).map((one) => `<text x="${X(one).toFixed(1)}" y="${height - bottom + 14}" text-anchor="middle">${digits(one, 3)}</text>`);
   const up = ticks(...y.limits).map((one) => `<text x="${left - 6}" y="${(Y(one) + 4).toFixed(1)}" text-anchor="end">${digits(one, 3)}</text><line class="grid" x1="${left}" x2="${width - right}" y1="${Y(one).toFixed(1)}" y2="${Y(one).toFixed(1)}"/>`);
   const lines = curves.map((one) => `<polyline class="curve${one.faint ? " faint" : ""}" points="${one.x.map((value, k) => `${X(value).toFixed(2)},${held(one.y[k]).toFixed(2)}`).join(" ")}"/>`);
-  const clip = `${svg.id}-clip`;
+  const clip = `${svg.id}-clip`, start = Math.min(left, Math.max(4, width - 4 - 6.3 * title.length)); // a letter has 6 px
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
   svg.innerHTML = `<clipPath id="${clip}"><rect x="${left}" y="${top}" width="${width - left - right}" height="${height - top - bottom}"/></clipPath>
-    <text x="${left}" y="14" class="title">${title}</text>${up.join("")}${across.join("")}<g clip-path="url(#${clip})">${lines.join("")}</g>
+    <text x="${start}" y="14" class="title">${title}</text>${up.join("")}${across.join("")}<g clip-path="url(#${clip})">${lines.join("")}</g>
     <text x="${(left + width - right) / 2}" y="${height - 4}" text-anchor="middle" class="soft">${x.label}</text>`;
   const box = [left / width, top / height, 1 - right / width, 1 - bottom / height];
   svg.described = [{ box, x: { ...x, log: false }, y: { ...y, label: title, log: false }, names: [], curves: curves.filter(({ faint }) => !faint), map: null }];
