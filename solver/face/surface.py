@@ -347,7 +347,8 @@ def _read(path: Path, spacing: float) -> tuple[Array, Any]:
             raise FactorError(f"{HEIGHT_MAP}: {path}: {str(error).splitlines()[0]}") from None
     try:
         topography = import_module("SurfaceTopography").read_topography(str(path)).to_unit("m")
-        return np.asarray(topography.heights()), tuple(topography.pixel_size)
+        measured = np.asarray(topography.heights())  # out of the punch
+        return np.max(measured) - measured, tuple(topography.pixel_size)
     except ImportError:
         raise FactorError(
             f"{HEIGHT_MAP}: {path}: no .csv; other files need the optional package SurfaceTopography"

@@ -193,7 +193,7 @@ class _Problem:
             count = min(2 * count, cells) if cells else 2 * count
             shape = window.counts(count)
             if shape[0] * shape[1] > _MOST_CELLS:
-                raise SurfaceError(f"error: {error:g} needs more than {_MOST_CELLS} cells")
+                raise SurfaceError(f"grid_error: {error:g} needs more than {_MOST_CELLS} cells")
             grid, state = self._moved(grid, state, window, count)
             system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth)
             solved = _solved(system, state, loadings, 1.0, error)
@@ -274,10 +274,10 @@ class _Problem:
             return
         spacing, ends = np.array(self.shape.spacing), np.array(self.shape.half_extent)
         if np.any(np.maximum(np.abs(low), np.abs(high)) > ends - spacing):
-            raise SurfaceError("heights: the contact reaches the edge of the map; a larger map or a smaller load")
+            raise SurfaceError("height_map: the contact reaches the edge of the map; a larger map or a smaller load")
         if np.any(high - low < _LEAST_SPACINGS * spacing):
             raise SurfaceError(
-                f"spacing: {max(spacing):g} m of the height map is too wide for a contact of {min(high - low):g} m"
+                f"map_spacing: {max(spacing):g} m of the height map is too wide for a contact of {min(high - low):g} m"
             )
 
     def _first_window(self) -> _Window:

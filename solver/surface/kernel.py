@@ -23,7 +23,7 @@ NORMAL_PAIRS = ((NORMAL, NORMAL), (NORMAL, PHI), (PHI, PHI))
 SLIDING_PAIRS = ((NORMAL, 0), (NORMAL, 1), (PHI, 0), (PHI, 1))
 Pairs = tuple[tuple[int, int], ...]
 
-WORKERS = 2  # threads of an FFT
+_THREADED = 2**18  # numbers from which an FFT takes two threads
 _NEAR = 8  # cells around the loaded one that take the fine rules
 _EDGE_NODES, _FAR_EDGE_NODES = 24, 3  # of an edge, in asinh of its position
 _ANGLES = 512  # of the table of H
@@ -35,6 +35,11 @@ _WIDEST = 400.0  # largest distance over the thickness of the top layer
 _ROUNDING = 1e-13  # share of the largest harmonic of the direction that is rounding
 _BLUR, _BLURRED = 0.125, 4.0  # of a cell that is wider than the layers; exp(-(4)^2) is 1e-7
 _MARGIN = 12  # rows and columns around the table, for its spline
+
+
+def workers(shape: tuple[int, ...]) -> int:
+    """Threads of an FFT: of a small one they cost more than they save."""
+    return 2 if np.prod(shape) >= _THREADED else 1
 
 
 def half_space_table(body: SurfaceBody, pairs: Pairs, is_far: bool = False) -> Array:
@@ -227,13 +232,15 @@ def _layer_cells(
         farthest = _WIDEST  # so that levels share a table
     reach = body.thickness * 2.0 ** max(np.ceil(np.log2(farthest)), -3)
     table = _layer_table(body, pairs, reach, _BLUR * min(dx, dy) if is_far else 0.0)
-    x, y = np.arange(-nx - 2, nx + 3) * dx, np.arange(-ny - 2, ny + 3) * dy
+    x, y = (np.asarray(np.arange(-n - 2, n + 3) * d, np.float64) for n, d in ((nx, dx), (ny, dy)))
     mean = _cell_mean(_cell_mean(table.at(x, y), 1), 2)
     near_x, near_y = min(_NEAR, nx), min(_NEAR, ny)
     count = 4 + min(int(6 * max(dx, dy) / table.width), 28)
     nodes, weights = np.polynomial.legendre.leggauss(count)
-    fine_x = (np.arange(-near_x, near_x + 1)[:, None] + nodes / 2).ravel() * dx
-    fine_y = (np.arange(-near_y, near_y + 1)[:, None] + nodes / 2).ravel() * dy
+    fine_x, fine_y = (
+        np.asarray((np.arange(-n, n + 1)[:, None] + nodes / 2).ravel() * d, np.float64)
+        for n, d in ((near_x, dx), (near_y, dy))
+    )
     values = table.at(fine_x, fine_y).reshape(len(pairs), 2 * near_x + 1, count, 2 * near_y + 1, count)
     near = np.einsum("pxayb,a,b->pxy", values, weights / 2, weights / 2)
     mean[:, nx - near_x : nx + near_x + 1, ny - near_y : ny + near_y + 1] = near
@@ -264,16 +271,21 @@ class Kernel:
     influence: dict[int, float]  # Displacement or potential at the middle of a cell by its unit traction or charge
     local: float  # Potential at the middle of a cell by its unit charge over that at the cells beside
 
+    @property
+    def workers(self) -> int:
+        """Threads of an FFT."""
+        return workers(self.padded)
+
     def transformed(self, tractions: Array) -> ComplexArray:
         """Spectrum of cell tractions; (padded x, padded y // 2 + 1)."""
-        rows = scipy.fft.rfft(tractions, self.padded[1], axis=1, workers=WORKERS)
-        return np.asarray(scipy.fft.fft(rows, self.padded[0], axis=0, workers=WORKERS))
+        rows = scipy.fft.rfft(tractions, self.padded[1], axis=1, workers=self.workers)
+        return np.asarray(scipy.fft.fft(rows, self.padded[0], axis=0, workers=self.workers))
 
     def back(self, spectrum: ComplexArray) -> Array:
         """Values on the grid of a spectrum; (x, y)."""
         nx, ny = self.shape
-        rows = scipy.fft.ifft(spectrum, axis=0, workers=WORKERS, overwrite_x=True)[:nx]
-        return np.asarray(scipy.fft.irfft(rows, self.padded[1], axis=1, workers=WORKERS)[:, :ny])
+        rows = scipy.fft.ifft(spectrum, axis=0, workers=self.workers, overwrite_x=True)[:nx]
+        return np.asarray(scipy.fft.irfft(rows, self.padded[1], axis=1, workers=self.workers)[:, :ny])
 
 
 @cached
@@ -319,7 +331,7 @@ def kernel(
 
 
 def _spectrum(cells: Array, pair: tuple[int, int]) -> Array | ComplexArray:
-    spectrum = scipy.fft.rfft2(cells, workers=WORKERS)
+    spectrum = scipy.fft.rfft2(cells, workers=workers(cells.shape))
     return spectrum.real.copy() if pair[0] == pair[1] else spectrum
 
 

@@ -14,7 +14,7 @@ import scipy.fft
 
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.surface.edge import share_in_contact
-from solver.surface.kernel import NORMAL_PAIRS, SLIDING_PAIRS, WORKERS, Kernel, kernel
+from solver.surface.kernel import NORMAL_PAIRS, SLIDING_PAIRS, Kernel, kernel, workers
 from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
 from solver.surface.shape import Shape
 
@@ -246,12 +246,12 @@ class System:
 
     def precondition(self, first: Array, second: Array) -> tuple[Array, Array]:
         """Approximate inverse of :meth:`apply` on the grid; cells of coarser levels count alone."""
-        shape = self._shapes[0]
-        P, D = (scipy.fft.rfft2(v[: self.fine].reshape(shape), workers=WORKERS) for v in (first, second))
+        shape, threads = self._shapes[0], workers(self._shapes[0])
+        P, D = (scipy.fft.rfft2(v[: self.fine].reshape(shape), workers=threads) for v in (first, second))
         zz, zp, pz, pp = self._inverse
         a, b = first.copy(), second / self.single
-        a[: self.fine] = scipy.fft.irfft2(zz * P + zp * D, shape, workers=WORKERS).ravel()
-        b[: self.fine] = scipy.fft.irfft2(pz * P + pp * D, shape, workers=WORKERS).ravel()
+        a[: self.fine] = scipy.fft.irfft2(zz * P + zp * D, shape, workers=threads).ravel()
+        b[: self.fine] = scipy.fft.irfft2(pz * P + pp * D, shape, workers=threads).ravel()
         return a, b
 
     @property

@@ -240,13 +240,13 @@ class Map(Shape):
         heights = np.asarray(self.heights, dtype=np.float64)
         if heights.ndim != 2 or min(heights.shape) < _LEAST_POINTS or max(heights.shape) > _MOST_POINTS:
             raise SurfaceError(
-                f"heights: shape {heights.shape} is not allowed; {_LEAST_POINTS} to {_MOST_POINTS} points along x and y"
+                f"height_map: shape {heights.shape} is not allowed; {_LEAST_POINTS} to {_MOST_POINTS} points a side"
             )
         if not np.all(np.isfinite(heights)):
-            raise SurfaceError(f"heights: {np.sum(~np.isfinite(heights))} points are not finite numbers [m]")
+            raise SurfaceError(f"height_map: not a finite number [m] at {np.sum(~np.isfinite(heights))} of its points")
         spacing = np.broadcast_to(np.asarray(self.spacing, dtype=np.float64), 2)
         if not (np.all(np.isfinite(spacing)) and np.all(spacing > 0)):
-            raise SurfaceError(f"spacing: {self.spacing!r} is not allowed; finite numbers > 0 [m]")
+            raise SurfaceError(f"map_spacing: {self.spacing!r} is not allowed; finite numbers > 0 [m]")
         object.__setattr__(self, "heights", heights - np.min(heights))
         object.__setattr__(self, "spacing", (float(spacing[0]), float(spacing[1])))
 

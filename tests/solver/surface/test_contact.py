@@ -209,16 +209,16 @@ def test_bad_loading_is_refused_in_one_line(change: dict[str, float], message: s
 
 
 def test_maps_without_sense_are_refused() -> None:
-    with pytest.raises(SurfaceError, match="heights: 1 points are not finite"):
+    with pytest.raises(SurfaceError, match="height_map: not a finite number"):
         Map(np.where(np.arange(64) == 9, np.nan, 0.0).reshape(8, 8), (1e-6, 1e-6))
-    with pytest.raises(SurfaceError, match="heights: shape"):
+    with pytest.raises(SurfaceError, match="height_map: shape"):
         Map(np.zeros((1, 1)), (1e-6, 1e-6))
     x = (np.arange(41) - 20) * 1e-4
     coarse = Map((x[:, None] ** 2 + x**2) / (2 * 5e-3), (1e-4, 1e-4))
-    with pytest.raises(SurfaceError, match=r"spacing: 0\.0001 m of the height map is too wide"):
+    with pytest.raises(SurfaceError, match=r"map_spacing: 0\.0001 m of the height map is too wide"):
         solve_contact(PZT, coarse, force=1.0)
     narrow = Map((x[:, None] ** 2 + x**2) / (2 * 50), (1e-6, 1e-6))
-    with pytest.raises(SurfaceError, match="heights: the contact reaches the edge"):
+    with pytest.raises(SurfaceError, match="height_map: the contact reaches the edge"):
         solve_contact(PZT, narrow, force=10.0)
 
 
