@@ -31,6 +31,7 @@ _ROUNDING = 1e-9  # electric load over the mechanical one, in scaled units, belo
 # difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
 # like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower
 _SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 1.0, "voltage": 1.0}
+_LEAST_COUPLED = 0.01  # of the charge of a fully coupled body
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
 
@@ -197,16 +198,17 @@ class _Problem:
             grid, state = self._moved(grid, state, window, count)
             system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth)
             solved = _solved(system, state, loadings, 1.0, error)
-            state = solved["grounded"].state
-            loads = {name: load for linear in solved.values() for name, load in _loads(linear).items()}
-            errors = _errors(before, loads)
+            grounded = solved["grounded"]
+            state = grounded.state
+            loads = {name: load for each in solved.values() for name, load in _loads(each).items()}
+            errors = _errors(before, loads, _LEAST_COUPLED * grounded.loads[0] * system.per_volt)
             before = loads
             is_fine = count >= least and (count >= _REFINED or (errors and max(errors.values()) <= error))
             if count == cells or (cells is None and is_fine):
                 factors = (1 - _SECANT, 1 + _SECANT) if companions else ()
                 ends = [_solved(system, state, loadings, factor, error) for factor in factors]
                 contacts = {
-                    name: _contact(linear, solved["grounded"], errors, error, [end[name] for end in ends])
+                    name: _contact(linear, grounded, errors, error, [end[name] for end in ends])
                     for name, linear in solved.items()
                 }
                 main = contacts.pop("charged", contacts["grounded"])
@@ -414,10 +416,17 @@ def _on(grid: Grid, values: Field) -> Field:
     return part
 
 
-def _errors(coarse: dict[str, float], fine: dict[str, float]) -> dict[str, float]:
-    """Relative errors on the finer of two grids: of charges, at single cells of the edge, their whole difference."""
-    return {
-        name: float(abs(value - coarse[name]) / _SHARE_LEFT[name] / max(abs(value), np.finfo(float).tiny))
+def _errors(coarse: dict[str, float], fine: dict[str, float], least_charge: float) -> dict[str, float]:
+    """Relative errors on the finer of two grids, from their differences.
+
+    Where the charge at zero voltage is below a least one, as near a cut without charge, those of charge and voltage are
+    relative to the least one.
+    """
+    tiny = np.finfo(float).tiny
+    errors = {
+        name: float(abs(value - coarse[name]) / _SHARE_LEFT[name] / max(abs(value), tiny))
         for name, value in fine.items()
         if name in coarse
     }
+    electric = min(abs(fine.get("charge", np.inf)) / least_charge, 1.0)
+    return {name: size * (electric if name in ("charge", "voltage") else 1.0) for name, size in errors.items()}
