@@ -140,7 +140,7 @@ def test_edits_rerun_what_depends_on_them(again: Project) -> None:
         "surrogate", "validation", "figure_errors", "sensitivity", "figure_sensitivity"
     }  # fmt: skip
     exact = {"slab", "quantities", "card", "cases", "calibration", "figure_fields"}
-    effects = {"effect", "figure_effect", "interior", "figure_interior"}
+    effects = {"effect", "figure_effect", "interior", "figure_interior", "sweeps"}
     for file, old, expected in (
         ("workflow/report/templates/study.html.j2", "<h2>Study", {"report"}),
         ("solver/halfplane/contact.py", '"""', after_the_surrogate | effects | exact),
