@@ -23,6 +23,7 @@ _MOST_CELLS = 2**20  # 1 GB of spectra and Krylov vectors
 _FILLED = 0.72  # share of the window's lengths that the contact takes
 _LOOSE = 0.45  # share below which the window is narrowed
 _WINDOWS = 40  # windows that are tried
+_LONGEST = 300.0  # largest ratio of the lengths of a window: a longer contact is that along a line
 _SLENDER = 8.0  # largest ratio of the lengths of a cell
 _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
@@ -257,6 +258,11 @@ class _Problem:
         self._require_resolved(low, high)
         if not np.any(touches):
             window = self._around(np.add(high, low) / 2, lengths / 2)
+        ratio = float(np.max(window.lengths) / np.min(window.lengths))
+        if ratio > _LONGEST:
+            raise SurfaceError(
+                f"contact: {ratio:.3g} times as long as wide is not allowed; at most {_LONGEST:g}, else a line"
+            )
         return window, state, grid
 
     def _around(self, middle: Array, half: Array) -> _Window:

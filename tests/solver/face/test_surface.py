@@ -106,6 +106,7 @@ MAP: Case = {"material": "PZT-4", "profile": "map", "height_map": heights(), "ma
     ("case", "words"),
     [
         (MAP | {"height_map": WITH_NAN}, "height_map: not a finite number"),
+        (EGG | {"radius_y": 5e3}, "contact: .* times as long as wide"),
         (MAP | {"height_map": [[1.0]]}, r"height_map: shape \(1, 1\)"),
         (MAP | {"height_map": heights()[35:45, 35:45]}, "edge of the map"),
         (MAP | {"height_map": heights(9), "map_spacing": 2.5e-5}, "too wide for a contact"),
