@@ -1,5 +1,6 @@
 """Cases of contacts in space: from their factors to bodies and shapes, solved one by one, and their maps."""
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,6 +22,7 @@ from solver.face.materials import material_of
 from solver.face.punches import elasticity_of
 from solver.face.refusal import CaseError, FactorError
 from solver.face.rows import Factors
+from solver.halfplane.precision import PrecisionWarning
 from solver.material.constants import ANY_SIZE, UNITS, Material
 from solver.material.cuts import of_family
 from solver.material.library import find
@@ -47,7 +49,18 @@ class OnSurface(Body):
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of ``solver.names.SPACE_QUANTITIES`` that every case has; (...)."""
-        return self._joined([contact.quantities() for contact in self._contacts])
+        out = self._joined([contact.quantities() for contact in self._contacts])
+        excess = out["relative_error"] / np.broadcast_to(self.cases.number("grid_error"), self.shape)
+        if np.any(excess > 1):
+            worst = np.unravel_index(np.argmax(excess), excess.shape)
+            warnings.warn(
+                f"grid_error: {out['relative_error'][worst] / excess[worst]:g} is not reached on the finest grid by "
+                f"{np.count_nonzero(excess > 1)} of {excess.size} cases; the largest relative_error is "
+                f"{np.max(out['relative_error'][excess > 1]):.2g}",
+                PrecisionWarning,
+                stacklevel=2,
+            )
+        return out
 
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
         return self._joined([contact.along_x(positions) for contact in self._contacts])
@@ -180,7 +193,7 @@ class _Contact:
         """Contact with its charge; on a metal, which takes every charge, at zero voltage."""
         charge = float(self.case.number("total_charge"))
         if not self._metallic:
-            return self._solved(charge=charge, companions=True)
+            return self._solved(charge=charge, derivatives=True)
         if charge:
             raise FactorError(f"total_charge: {charge:g} of a punch on a metal, which takes it; must be 0")
         return self._solved(voltage=0.0)

@@ -1,6 +1,6 @@
 """Contact of a punch with a surface in space: window, refinement to an error, and the contact's fields and loads."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TypeVar
@@ -12,7 +12,7 @@ from solver.arrays import Array, BoolArray, is_finite
 from solver.material.constants import VACUUM_PERMITTIVITY
 from solver.surface.newton import Grid, Linearised, Loading, State, System, converged
 from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
-from solver.surface.shape import Map, Shape
+from solver.surface.shape import Map, RoughSphere, Shape
 
 Field = TypeVar("Field", Array, BoolArray)
 
@@ -27,12 +27,23 @@ _LONGEST = 300.0  # largest ratio of the lengths of a window: a longer contact i
 _SLENDER = 8.0  # largest ratio of the lengths of a cell
 _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
-_SECANT = 0.08  # change of the load for the stiffness: a fortieth of the contact's width, several cells
+_SECANT = 0.16  # change of the load's logarithm for the stiffness: a twentieth of the contact's width, several cells
 _ROUNDING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
 # difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
 # like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower
-_SHARE_LEFT = {"force": 2**1.5 - 1, "depth": 2**1.5 - 1, "charge": 1.0, "voltage": 1.0}
+_SHARE_LEFT = {
+    "force": 1.8,
+    "depth": 1.8,
+    "pressure": 1.8,
+    "charge": 0.7,
+    "voltage": 0.7,
+    "stroke": 0.7,
+    "capacitance": 0.7,
+}
+_SLOPED, _ROUGH = 64, 1e-2  # cells of slopes over the load, unless an error as large as this is allowed
+_FALL = 4.0  # largest ratio of the errors of two grids that is believed: a smaller difference may be luck
 _LEAST_COUPLED = 0.01  # of the charge of a fully coupled body
+_PER_WAVE = 4  # cells along the shortest wave of a rough punch
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
 
@@ -52,13 +63,14 @@ class SurfaceContact:
     charge: float  # Of the punch [C]
     tangent: Array  # d(force, charge)/d(depth, voltage); (2, 2)
     fixed_capacitance: float  # d charge/d voltage at a fixed contact [F]
+    charge_per_force: float  # At zero voltage, under the same force or depth [C/N]
     errors: dict[str, float] = field(default_factory=dict)  # Relative, estimated from two grids
     permittivity: float | None = None  # Of the air beside the contact [F/m]
-    companions: dict[str, "SurfaceContact"] = field(default_factory=dict)  # Of the same force: grounded, uncharged
+    uncharged: "SurfaceContact | None" = None  # Of the same force, without charge
 
     @property
     def error(self) -> float:
-        """Largest estimated relative error of force or depth, and charge or voltage."""
+        """Largest estimated relative error of loads, capacitance and finite largest pressure."""
         return max(self.errors.values(), default=np.nan)
 
     @property
@@ -104,12 +116,12 @@ def solve_contact(
     body: SurfaceBody, shape: Shape, *, force: float | None = None, depth: float | None = None,
     voltage: float = 0.0, charge: float | None = None, friction: float = 0.0, direction: float = 0.0,
     air: float | None = 1.0, end: float = np.inf, punch: tuple[float, float] | None = None,
-    error: float = 1e-3, cells: int | None = None, companions: bool = False,
+    error: float = 1e-3, cells: int | None = None, derivatives: bool = False,
 ) -> SurfaceContact:  # fmt: skip
     """Contact of a punch with a body under a force or at a depth, at a voltage or with a charge.
 
-    The grid is refined until the estimated error of the loads is below ``error``; ``cells`` a side fixes the grid.
-    ``companions`` are the contacts of the same force without charge and at zero voltage, which quantities need.
+    The grid is refined until the estimated error is below ``error``; ``cells`` a side fixes the grid. ``derivatives``
+    takes the tangent in the direction of loading from two more loads, and solves the contact without charge.
     """
     _check({
         "force": force, "depth": depth, "voltage": voltage, "charge": charge, "friction": friction,
@@ -120,7 +132,7 @@ def solve_contact(
     permittivity = None if air is None else air * VACUUM_PERMITTIVITY
     loading = Loading(force, depth, charge, voltage, friction, direction, permittivity, end)
     problem = _Problem(body, None if punch is None else isotropic_half_space(*punch), shape, loading)
-    return problem.refined(error, cells, companions)
+    return problem.refined(error, cells, derivatives)
 
 
 _RULES: dict[str, tuple[str, float, float]] = {  # allowed values, and their open ends
@@ -186,11 +198,12 @@ class _Problem:
     def __init__(self, body: SurfaceBody, punch: SurfaceBody | None, shape: Shape, loading: Loading) -> None:
         self.body, self.punch, self.shape, self.loading = body, punch, shape, loading
 
-    def refined(self, error: float, cells: int | None, companions: bool) -> SurfaceContact:
-        """Contact on the grid that meets the error, with its companions of the same force."""
+    def refined(self, error: float, cells: int | None, derivatives: bool) -> SurfaceContact:
+        """Contact on the grid that meets the error, with derivatives and the contact without charge if asked."""
         window, state, grid = self._located(error)
-        loadings = self._loadings(companions)
-        count, before, least = _COARSE // 2, dict[str, float](), self._least_cells(window)
+        loadings = self._loadings(derivatives)
+        count, least = _COARSE // 4, max(self._least_cells(window), _SLOPED if derivatives and error < _ROUGH else 0)
+        before, errors = dict[str, float](), dict[str, float]()
         while True:
             count = min(2 * count, cells) if cells else 2 * count
             shape = window.counts(count)
@@ -198,25 +211,37 @@ class _Problem:
                 raise SurfaceError(f"grid_error: {error:g} needs more than {_MOST_CELLS} cells")
             grid, state = self._moved(grid, state, window, count)
             system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth)
-            solved = _solved(system, state, loadings, 1.0, error)
-            grounded = solved["grounded"]
+            grounded = converged(system, state, _ACCURACY * error)[1]
             state = grounded.state
-            loads = {name: load for each in solved.values() for name, load in _loads(each).items()}
-            errors = _errors(before, loads, _LEAST_COUPLED * grounded.loads[0] * system.per_volt)
-            before = loads
+            solved = {
+                name: converged(system.under(loading), state, _ACCURACY * error)[1]
+                for name, loading in loadings.items()
+            } or {"main": grounded}
+            tangents = {name: linear.tangent(_TANGENT * error) for name, linear in solved.items()}
+            results = {name: load for each in (grounded, *solved.values()) for name, load in _loads(each).items()}
+            tangent, results["capacitance"] = tangents["main"]
+            if self.body.fields and abs(tangent[0, 1]) > 0:
+                results["stroke"] = float(tangent[0, 1] / tangent[0, 0])
+            if not self._reaches_end(grid, state):
+                results["pressure"] = float(np.max(solved["main"].state.pressure)) / system.compliance
+            estimated = _errors(before, results, _LEAST_COUPLED * grounded.loads[0] * system.per_volt)
+            errors = {name: max(size, errors.get(name, 0.0) / _FALL) for name, size in estimated.items()}
+            before = results
             is_fine = count >= least and (count >= _REFINED or (errors and max(errors.values()) <= error))
             if count == cells or (cells is None and is_fine):
-                factors = (1 - _SECANT, 1 + _SECANT) if companions else ()
-                ends = [_solved(system, state, loadings, factor, error) for factor in factors]
-                contacts = {
-                    name: _contact(linear, grounded, errors, error, [end[name] for end in ends])
-                    for name, linear in solved.items()
-                }
-                main = contacts.pop("charged", contacts["grounded"])
-                return replace(main, companions=contacts) if companions else main
+                break
+        contacts = {}
+        for name, linear in solved.items():
+            tangent, fixed = tangents[name]
+            if derivatives:
+                tangent = _with_secant(tangent, linear, grounded, _ACCURACY * error)
+            contacts[name] = _contact(linear, grounded, tangent, fixed, errors)
+        return replace(contacts["main"], uncharged=contacts.get("uncharged"))
 
     def _least_cells(self, window: _Window) -> int:
-        """Cells a side that resolve the points of a height map, within bounds."""
+        """Cells a side that resolve the points of a height map, or the waves of a rough punch, within bounds."""
+        if isinstance(self.shape, RoughSphere):
+            return min(int(_PER_WAVE * max(window.lengths) / self.shape.shortest_wavelength), _REFINED)
         if not isinstance(self.shape, Map):
             return 0
         points = max(length / spacing for length, spacing in zip(window.lengths, self.shape.spacing, strict=True))
@@ -227,12 +252,12 @@ class _Problem:
         """The load at zero voltage, from whose contact others are sought: its gap closes smoothly at the edge."""
         return replace(self.loading, charge=None, voltage=0.0)
 
-    def _loadings(self, companions: bool) -> dict[str, Loading]:
+    def _loadings(self, derivatives: bool) -> dict[str, Loading]:
         """Loads besides that at zero voltage."""
         loadings = {}
         if self.loading.charge is not None or self.loading.voltage:
-            loadings["charged"] = self.loading
-        if companions and self.loading.charge != 0:
+            loadings["main"] = self.loading
+        if derivatives and self.loading.charge:
             loadings["uncharged"] = replace(self.loading, charge=0.0)
         return loadings
 
@@ -319,6 +344,11 @@ class _Problem:
             touches[axis] = beyond or above
         return low, high, touches
 
+    def _reaches_end(self, grid: Grid, state: State) -> bool:
+        """True of a contact that a sharp end of the punch limits, where the pressure is infinite."""
+        low, high, _ = self._extent(grid, state)
+        return bool(np.any(np.maximum(-low, high) >= np.array(self.shape.half_extent) * (1 - 1e-9)))
+
     def _moved(self, old: Grid | None, state: State | None, window: _Window, cells: int) -> tuple[Grid, State]:
         """Grid on a window and the start on it."""
         counts = window.counts(cells)
@@ -361,15 +391,12 @@ def _loads(linear: Linearised) -> dict[str, float]:
 
 
 def _contact(
-    linear: Linearised, grounded: Linearised, errors: dict[str, float], error: float, ends: Sequence[Linearised]
+    linear: Linearised, grounded: Linearised, tangent: Array, fixed_capacitance: float, errors: dict[str, float]
 ) -> SurfaceContact:
     """Fields and loads of a converged state."""
     system, state = linear.system, linear.state
     grid, loading = system.grid, system.loading
     normal, charge = linear.loads
-    tangent, fixed = linear.tangent(_TANGENT * error)
-    if ends:
-        tangent = _with_secant(tangent, *ends)
     changed = _on(grid, state.pressed).astype(float) - _on(grid, grounded.state.pressed)
     weight = np.clip(grounded.share + changed * grid.cover, 0, 1)
     along = loading.friction * np.array([np.cos(loading.direction), np.sin(loading.direction)])
@@ -380,40 +407,43 @@ def _contact(
         gap=_on(grid, np.where(state.pressed, 0.0, linear.gap)), weight=weight,
         depth=state.depth, voltage=state.potential / system.per_volt,
         force=np.append(along * normal, normal), charge=float(charge) if loading.charge is None else loading.charge,
-        tangent=tangent,
-        fixed_capacitance=fixed, errors=errors, permittivity=loading.permittivity,
+        tangent=tangent, fixed_capacitance=fixed_capacitance,
+        charge_per_force=float(grounded.loads[1] / grounded.loads[0]), errors=errors, permittivity=loading.permittivity,
     )  # fmt: skip
 
 
-def _solved(
-    system: System, state: State, loadings: Mapping[str, Loading], factor: float, error: float
-) -> dict[str, Linearised]:
-    """Contacts at zero voltage and under other loads, with force or depth multiplied by a factor."""
-    grounded = converged(system.under(_multiplied(system.loading, factor)), state, _ACCURACY * error)[1]
-    return {"grounded": grounded} | {
-        name: converged(system.under(_multiplied(loading, factor)), grounded.state, _ACCURACY * error)[1]
-        for name, loading in loadings.items()
-    }
+def _multiplied(linear: Linearised, grounded: Linearised, factor: float, tolerance: float) -> Linearised:
+    """Contact with its force or depth multiplied by a factor, sought as it was itself from that at zero voltage."""
+    for each in (grounded, linear) if linear is not grounded else (grounded,):
+        force, depth = (
+            None if v is None else factor * v for v in (each.system.loading.force, each.system.loading.depth)
+        )
+        system = each.system.under(replace(each.system.loading, force=force, depth=depth))
+        grounded = converged(system, grounded.state, tolerance)[1]
+    return grounded
 
 
-def _multiplied(loading: Loading, factor: float) -> Loading:
-    """Loading with its force or depth multiplied by a factor."""
-    force, depth = (None if v is None else factor * v for v in (loading.force, loading.depth))
-    return replace(loading, force=force, depth=depth)
-
-
-def _with_secant(tangent: Array, low: Linearised, high: Linearised) -> Array:
+def _with_secant(tangent: Array, linear: Linearised, grounded: Linearised, tolerance: float) -> Array:
     """Tangent whose direction of loading is a secant between contacts of a lower and a higher load; (2, 2).
 
     Cells change sides as the load grows. Where charge is dense at the edge they take it along, which no tangent sees.
+    The secant is that of logarithms, so that powers of the load have their exact derivative.
     """
-    per_volt = low.system.per_volt
-    ends = [[end.state.depth, end.state.potential / per_volt, *end.loads] for end in (low, high)]
-    depth, voltage, force, charge = np.subtract(ends[1], ends[0])
+    per_volt = linear.system.per_volt
+    low, high = (_multiplied(linear, grounded, np.exp(change), tolerance) for change in (-_SECANT, _SECANT))
+    values = np.array(
+        [[each.state.depth, each.state.potential / per_volt, *each.loads] for each in (low, linear, high)]
+    )
+    depth, voltage, force, charge = (_logarithmic(*three) for three in values.T)
     stroke = -tangent[0, 1] / tangent[0, 0]  # at fixed force
     capacitance = tangent[1, 1] + tangent[1, 0] * stroke
     causes, loads = np.array([[depth, stroke], [voltage, 1.0]]), np.array([[force, 0.0], [charge, capacitance]])
     return np.asarray(loads @ np.linalg.inv(causes))
+
+
+def _logarithmic(low: float, middle: float, high: float) -> float:
+    """Change between two values as the logarithm's slope at the middle says; their difference where signs differ."""
+    return middle * float(np.log(high / low)) if low * middle > 0 and high * middle > 0 else high - low
 
 
 def _on(grid: Grid, values: Field) -> Field:
@@ -435,4 +465,6 @@ def _errors(coarse: dict[str, float], fine: dict[str, float], least_charge: floa
         if name in coarse
     }
     electric = min(abs(fine.get("charge", np.inf)) / least_charge, 1.0)
-    return {name: size * (electric if name in ("charge", "voltage") else 1.0) for name, size in errors.items()}
+    return {
+        name: size * (electric if name in ("charge", "voltage", "stroke") else 1.0) for name, size in errors.items()
+    }

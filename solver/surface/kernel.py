@@ -6,6 +6,7 @@ so that its integral over a cell is one over the cell's edges; it scales with th
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -271,21 +272,21 @@ class Kernel:
     influence: dict[int, float]  # Displacement or potential at the middle of a cell by its unit traction or charge
     local: float  # Potential at the middle of a cell by its unit charge over that at the cells beside
 
-    @property
+    @cached_property
     def workers(self) -> int:
         """Threads of an FFT."""
         return workers(self.padded)
 
     def transformed(self, tractions: Array) -> ComplexArray:
-        """Spectrum of cell tractions; (padded x, padded y // 2 + 1)."""
-        rows = scipy.fft.rfft(tractions, self.padded[1], axis=1, workers=self.workers)
-        return np.asarray(scipy.fft.fft(rows, self.padded[0], axis=0, workers=self.workers))
+        """Spectra of cell tractions; (..., padded x, padded y // 2 + 1)."""
+        rows = scipy.fft.rfft(tractions, self.padded[1], axis=-1, workers=self.workers)
+        return np.asarray(scipy.fft.fft(rows, self.padded[0], axis=-2, workers=self.workers))
 
-    def back(self, spectrum: ComplexArray) -> Array:
-        """Values on the grid of a spectrum; (x, y)."""
+    def back(self, spectra: ComplexArray) -> Array:
+        """Values on the grid of spectra; (..., x, y)."""
         nx, ny = self.shape
-        rows = scipy.fft.ifft(spectrum, axis=0, workers=self.workers, overwrite_x=True)[:nx]
-        return np.asarray(scipy.fft.irfft(rows, self.padded[1], axis=1, workers=self.workers)[:, :ny])
+        rows = scipy.fft.ifft(spectra, axis=-2, workers=self.workers, overwrite_x=True)[..., :nx, :]
+        return np.asarray(scipy.fft.irfft(rows, self.padded[1], axis=-1, workers=self.workers)[..., :ny])
 
 
 @cached

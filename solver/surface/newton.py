@@ -23,7 +23,6 @@ _KRYLOV = 40  # vectors between restarts of GMRES
 _RESTARTS = 5
 _ENTRIES = 3  # after which a cell stays in contact: its charge pulls, so that neither side is free of error
 _LEVELS = 16  # coarser levels of the air around the grid
-_LEVEL_CELLS = 4.2  # cells a side of a level, over the root of those of the grid: both errors fall alike
 _GROWTH = 2  # ratio of a level's length to that of the level below
 _FEWEST = 4  # cells along a side that does not grow
 _SLENDER = 4.0  # largest ratio of the lengths of a cell of a level
@@ -114,7 +113,7 @@ class System:
         self.per_volt = float(np.sqrt(self.compliance / self.elastance))  # length per volt
         self._mixed = float(np.sqrt(self.compliance * self.elastance))
         self._inverse = self._inverted(fine)
-        self._levels = [(fine, self._scaled(fine))]
+        self._tables = [fine]
         heights, outside, areas, single = [grid.height], [np.ones(grid.shape, dtype=bool)], [1.0], [1.0]
         resistances = [self._per_gap(grid)]
         self._interpolation: list[tuple[Array, Array]] = []
@@ -127,12 +126,14 @@ class System:
             border = np.concatenate([*edges, np.full(1, np.inf)]) * float(np.min(resistances[-1]))
             if np.min(border) > _NEGLIGIBLE * single[-1] * max(grid.shape):
                 break
-            coarse = _around(grid, grows, 4 * round(_LEVEL_CELLS * min(self.grid.shape) ** 0.5 / 4))
+            # the first has cells twice as long, the others count little: all of them shrink as those of the grid do
+            cells = min(self.grid.shape) if grid is self.grid else min(self.grid.shape) // 2
+            coarse = _around(grid, grows, 4 * max(cells // 4, 1))
             table = kernel(body, punch, pairs, coarse.shape, *coarse.size, is_level=True)
             alone = -table.influence[PHI] / self.elastance
             per_gap = self._per_gap(coarse)
             height, average = _averaged(shape, coarse, alone / per_gap)
-            self._levels.append((table, self._scaled(table)))
+            self._tables.append(table)
             inside = np.zeros(coarse.shape, dtype=bool)
             inside[*(_middle(n, n // grow) for n, grow in zip(coarse.shape, grows, strict=True))] = True
             self._interpolation.append((_linear(coarse.x, grid.x), _linear(coarse.y, grid.y)))
@@ -206,33 +207,40 @@ class System:
         determinant = zz * pp + np.abs(zp) ** 2
         return pp / determinant, zp / determinant, -np.conj(zp) / determinant, zz / determinant
 
-    def _convolved(self, level: int, pressure: Array | None, charge: Array) -> Array:
-        """Depression and scaled -phi on a level by the tractions of its cells; (2, x, y)."""
-        table, (zz, zp, pz, pp) = self._levels[level]
-        D = table.transformed(charge)
-        if pressure is None:
-            return np.stack([table.back(zp * D), table.back(pp * D)])
-        P = table.transformed(pressure)
-        return np.stack([table.back(zz * P + zp * D), table.back(pz * P + pp * D)])
+    @cached_property
+    def _groups(self) -> list["_Levels"]:
+        """Grid and levels, those of equal shape together."""
+        places: dict[tuple[int, int], list[int]] = {}
+        for level, shape in enumerate(self._shapes):
+            places.setdefault(shape, []).append(level)
+        return [_Levels(levels, [self._tables[level] for level in levels], self._scaled) for levels in places.values()]
 
     def apply(self, pressure: Array, charge: Array) -> tuple[Array, Array]:
         """Depression -u_z of the surface and scaled -phi; (cell,) each."""
         parts = np.split(charge, self._ends[:-1])
-        fields = [D.reshape(shape) for D, shape in zip(parts, self._shapes, strict=True)]
-        P, D = pressure[: self.fine].reshape(self._shapes[0]), fields[0]
-        results = [self._convolved(0, P, D)]
-        beyond, charges = [], [D]  # fields by the charges of each coarser level, and all charges on its cells
+        level_charges = [D.reshape(shape) for D, shape in zip(parts, self._shapes, strict=True)]
+        P, D = pressure[: self.fine].reshape(self._shapes[0]), level_charges[0]
+        inner = [(P, D)]  # of the grid and the levels below, on the cells of each level
         for level, (bx, by) in enumerate(self._interpolation, 1):
             ratio = self.area[self._ends[level - 1]] / self.area[self._ends[level - 1] - 1]
             P, D = bx.T @ P @ by / ratio, bx.T @ D @ by / ratio
+            inner.append((P, D))
+            D = D + level_charges[level]
+        fields: dict[int, Array] = {}  # by tractions below a level and by its own charges; (2, 2, x, y)
+        for group in self._groups:
+            fields |= group.fields(inner, level_charges)
+        results, beyond, charges = [fields[0][0]], [], [level_charges[0]]
+        for level, D in enumerate(level_charges[1:], 1):
             # the film's answer to charges at their own place stays with their level, and does not spread to other cells
-            local = -self._levels[level][0].local / self.elastance
-            beyond.append(self._convolved(level, None, fields[level]))
-            results.append(self._convolved(level, P, D) + beyond[-1])
-            results[-1][1] -= local * D * self._outside[level]
-            beyond[-1][1] -= local * fields[level]
-            charges.append(np.where(self._outside[level], 0.0, D) + fields[level])
-            D = D + fields[level]
+            local, below = (
+                -self._tables[level].local / self.elastance,
+                np.where(self._outside[level], inner[level][1], 0),
+            )
+            results.append(fields[level][0] + fields[level][1])
+            results[-1][1] -= local * below
+            beyond.append(fields[level][1])
+            beyond[-1][1] -= local * D
+            charges.append(D + np.where(self._outside[level], 0.0, inner[level][1]))
         added: Array | float = 0.0
         for level in range(len(self._interpolation), 0, -1):
             bx, by = self._interpolation[level - 1]
@@ -263,6 +271,31 @@ class System:
     def charge_unit(self) -> float:
         """Charge on the punch of a negative unit of scaled charge in one cell [C]."""
         return self.grid.area / (self.elastance * self.per_volt)
+
+
+class _Levels:
+    """Influence of the cells of levels of equal shape, all transformed together."""
+
+    def __init__(
+        self, levels: list[int], tables: list[Kernel], scaled: Callable[[Kernel], tuple[Array | ComplexArray, ...]]
+    ) -> None:
+        self._levels, self._table = levels, tables[0]
+        self._spectra = [np.stack(spectra) for spectra in zip(*map(scaled, tables), strict=True)]  # (level, kx, ky)
+
+    def fields(self, inner: Sequence[tuple[Array, Array]], charges: Sequence[Array]) -> dict[int, Array]:
+        """Depression and scaled -phi of each level, by tractions below and by its own charges; (2, 2, x, y) each.
+
+        On the grid, which has nothing below, by tractions alone.
+        """
+        is_grid = self._levels == [0]
+        tractions = [[*inner[level], *(() if is_grid else (charges[level],))] for level in self._levels]
+        transformed = self._table.transformed(np.array(tractions))
+        (zz, zp, pz, pp), (P, D) = self._spectra, transformed[:, :2].swapaxes(0, 1)
+        spectra = [zz * P + zp * D, pz * P + pp * D]
+        if not is_grid:
+            spectra += [zp * transformed[:, 2], pp * transformed[:, 2]]
+        values = self._table.back(np.stack(spectra, 1))
+        return {level: part.reshape(-1, 2, *part.shape[1:]) for level, part in zip(self._levels, values, strict=True)}
 
 
 def _lengths(grid: Grid) -> tuple[float, float]:

@@ -9,9 +9,8 @@ from solver.twoport import Stiffness
 
 
 def quantities(charged: SurfaceContact) -> dict[str, float]:
-    """Quantities of a contact, SI; those that need a companion only with it."""
-    uncharged = charged.companions.get("uncharged", charged if charged.charge == 0 else None)
-    grounded = charged.companions.get("grounded", charged if charged.voltage == 0 else None)
+    """Quantities of a contact, SI; those that need the contact without charge only with it."""
+    uncharged = charged if charged.charge == 0 else charged.uncharged
     port = _port(charged)
     lengths, moments = charged.lengths, charged.moments
     out = {
@@ -34,12 +33,11 @@ def quantities(charged: SurfaceContact) -> dict[str, float]:
         "blocked_force_per_volt": float(port.blocked_force(1)),
         "capacitance": charged.fixed_capacitance,
         "capacitance_at_force": float(port.capacitance(1)),
+        "charge_per_force": charged.charge_per_force,
         "relative_error": charged.error,
     }
     if uncharged is not None:
         out["voltage_per_force"] = float(_port(uncharged).potential_per_force(1))
-    if grounded is not None:
-        out["charge_per_force"] = float(grounded.charge / grounded.force[2])
     return out
 
 

@@ -110,7 +110,7 @@ def test_ball_in_air_has_the_quantities_of_the_point(thickness: float | None) ->
     punch = {"profile": "sphere", "radius": 5e-3, "force": 4.0, "surroundings": "air"}
     point = solver.solve(({"material": "PZT-4"} if thickness is None else layer) | punch)
     body = PZT if thickness is None else FILM
-    contact = solve_contact(body, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, companions=True, cells=128)
+    contact = solve_contact(body, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, derivatives=True, cells=128)
     values = quantities(contact)
     # charge at the edge, over single cells, decides voltages and capacitances
     bounds = {
