@@ -352,7 +352,7 @@ SPACE_QUANTITIES: dict[str, Described] = {
     "moment_x": Described("N m", "moment of the pressure about x through the punch's middle"),
     "moment_y": Described("N m", "moment of the pressure about y through the punch's middle"),
     "moment_z": Described("N m", "moment of the friction about the normal through the punch's middle"),
-    "relative_error": Described("1", "largest relative error of depth, voltage and charge, estimated from two grids"),
+    "relative_error": Described("1", "largest relative error of depth, charge, voltage, stroke, capacitance and finite peak pressure, from two grids"),
 }  # fmt: skip
 
 #: Maps of a contact in space over (x, y), as :func:`solver.solve_map` gives them.

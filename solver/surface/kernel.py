@@ -5,6 +5,7 @@ the direction have ``int_0^inf J_n(kr) dk = 1/r``, and the layers' smooth contri
 so that its integral over a cell is one over the cell's edges; it scales with the length of the cell.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -12,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.fft
 from scipy.ndimage import map_coordinates, spline_filter
-from scipy.special import j0, jv
+from scipy.special import j0, j1, jv
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
@@ -35,6 +36,7 @@ _SPACING = 0.05  # of the table of D, in asinh(r / (2 decay h))
 _WIDEST = 400.0  # largest distance over the thickness of the top layer
 _ROUNDING = 1e-13  # share of the largest harmonic of the direction that is rounding
 _BLUR, _BLURRED = 0.125, 4.0  # of a cell that is wider than the layers; exp(-(4)^2) is 1e-7
+_LEAST = 1e-200  # of a Bessel function that starts a recurrence: smaller ones have few digits
 _MARGIN = 12  # rows and columns around the table, for its spline
 
 
@@ -169,7 +171,9 @@ def _layer_table(body: SurfaceBody, pairs: Pairs, reach: float, blur: float) -> 
     highest = int(np.max(np.flatnonzero(size > _ROUNDING * np.max(size)), initial=0))
     for n, bessel in _bessel(highest, np.outer(r, k)):
         for place in {n, -n % count}:
-            radial[:, :, place] = np.einsum("rk,pk->pr", bessel, harmonics[:, :, place]) * 1j**n / (2 * np.pi)
+            by_pair = harmonics[:, :, place].T  # complex: twice as fast part by part
+            sums = bessel @ np.ascontiguousarray(by_pair.real) + 1j * (bessel @ np.ascontiguousarray(by_pair.imag))
+            radial[:, :, place] = sums.T * 1j**n / (2 * np.pi)
     if highest == 0:
         values = radial[:, :, 0].real
         values = np.concatenate([values[:, _MARGIN:0:-1], values], axis=1)
@@ -206,16 +210,28 @@ def _wavenumbers(body: SurfaceBody, reach: float, end: float) -> tuple[Array, Ar
     return np.concatenate(k), np.concatenate(w)
 
 
-def _bessel(highest: int, x: Array) -> list[tuple[int, Array]]:
-    """J_n(x) for n from the highest down, by the stable downward recurrence; pairs of n and (r, k)."""
-    if highest == 0:
-        return [(0, j0(x))]
-    upper, value = jv(highest + 1, x), jv(highest, x)
-    result = [(highest, value)]
+def _bessel(highest: int, x: Array) -> Iterator[tuple[int, Array]]:
+    """J_n(x) for n up to the highest, by the stable recurrence: upwards in n where x is larger, else downwards."""
+    is_small = x <= highest + 1
+    downward = _bessel_downward(highest, x[is_small])
+    inverse = np.where(is_small, 0.0, 2 / np.where(is_small, 1.0, x))
+    lower, value = -j1(x), j0(x)
+    for n in range(highest + 1):
+        value[is_small] = downward[n]
+        yield n, value
+        lower, value = value, n * inverse * value - lower
+
+
+def _bessel_downward(highest: int, x: Array) -> Array:
+    """J_n(x) for n from 0 to the highest; (n, x)."""
+    result = np.empty((highest + 1, x.size))
+    upper, result[highest] = jv(highest + 1, x), jv(highest, x)
     inverse = 2 / np.where(x == 0, 1.0, x)
     for n in range(highest, 0, -1):
-        upper, value = value, np.where(x == 0, float(n == 1), n * inverse * value - upper)
-        result.append((n - 1, value))
+        result[n - 1] = np.where(x == 0, float(n == 1), n * inverse * result[n] - upper)
+        upper = result[n]
+    is_lost = (result[highest] < _LEAST) & (x > 0)  # next to underflow, where the start has no digits
+    result[:, is_lost] = jv(np.arange(highest + 1)[:, None], x[is_lost])
     return result
 
 
