@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 import solver
-from verification.cases import SIH_SONG, Array, Case, constants, half_length
+from verification.cases import Array, Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off
 from verification.oracles import fem_film
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC
@@ -55,8 +55,8 @@ COMPOSITE: Case = {**PUNCH, "volume_fraction": 0.5, "thickness": 2e-4, "friction
 STACK = solver.Stack([solver.Layer(solver.find("BaTiO3"), 1e-4), solver.Layer(solver.find("CoFe2O4"), 1.5e-4)], "rigid")
 CASES: dict[str, Case] = {
     "half-plane, as a film on its material": {
-        **PUNCH, "material": SIH_SONG, "thickness": 2e-4, "base": SIH_SONG, "interface_electric": "bonded",
-        "interface_magnetic": "bonded", "friction": 0.3, "charge": 1e-6, "magnetic_charge": -2e-3,
+        **PUNCH, "material": "BaTiO3", "thickness": 2e-4, "base": "BaTiO3", "interface_electric": "bonded",
+        "friction": 0.3, "charge": 1e-6, "magnetic": "insulating",
     },
     "BaTiO3 on a rigid base": {**PUNCH, "material": "BaTiO3", "thickness": 5e-4, "base": "rigid"},
     "composite on a rigid base, charged": {**COMPOSITE, "base": "rigid", "charge": 2e-5, "magnetic_charge": 1e-2},

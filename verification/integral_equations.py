@@ -13,10 +13,9 @@ import xarray as xr
 import solver
 from verification.cases import SIH_SONG, Array, Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, Timing, check, off
-from verification.oracles import collocation, profile
+from verification.oracles import collocation
 from verification.oracles.collocated import fields
 from verification.oracles.surface_response import SurfaceResponse, surface_response
-from verification.oracles.weighted_chebyshev import end_proof_nodes
 
 RADIUS, WIDTH, SLOPE = 0.05, 4e-4, 2e-3
 LOADS = {"load": 1e5, "friction": 0.5, "charge": 1e-6, "magnetic_charge": -2e-3, "datum": 0.2}
@@ -29,21 +28,22 @@ def _polynomial(*slope: float) -> solver.Profile:
 
 
 #: Factors of each punch, and the same punch for the collocation.
-PUNCHES: dict[str, tuple[Case, profile.Profile]] = {
-    "cylinder": ({"radius": RADIUS}, profile.cylinder(RADIUS)),
-    "flat": ({"profile": "flat", "width": WIDTH}, profile.flat(WIDTH)),
-    "tilted flat": ({"profile": "flat", "width": WIDTH, "slope": 1e-4}, profile.flat(WIDTH, 1e-4)),
-    "wedge": ({"profile": "wedge", "slope": SLOPE}, profile.wedge(SLOPE)),
+PUNCHES: dict[str, tuple[Case, collocation.Profile]] = {
+    "cylinder": ({"radius": RADIUS}, collocation.cylinder(RADIUS)),
+    "flat": ({"profile": "flat", "width": WIDTH}, collocation.flat(WIDTH)),
+    "tilted flat": ({"profile": "flat", "width": WIDTH, "slope": 1e-4}, collocation.flat(WIDTH, 1e-4)),
+    "wedge": ({"profile": "wedge", "slope": SLOPE}, collocation.wedge(SLOPE)),
     "wedge, corner trailing": (
-        {"profile": "wedge", "slope": SLOPE, "corner": "trailing"}, profile.wedge(SLOPE, "trailing")
+        {"profile": "wedge", "slope": SLOPE, "corner": "trailing"}, collocation.wedge(SLOPE, "trailing")
     ),
-    "half-cylinder": ({"profile": "half_cylinder", "radius": RADIUS}, profile.half_cylinder(RADIUS)),
+    "half-cylinder": ({"profile": "half_cylinder", "radius": RADIUS}, collocation.half_cylinder(RADIUS)),
     "half-cylinder, corner trailing": (
-        {"profile": "half_cylinder", "radius": RADIUS, "corner": "trailing"}, profile.half_cylinder(RADIUS, "trailing")
+        {"profile": "half_cylinder", "radius": RADIUS, "corner": "trailing"},
+        collocation.half_cylinder(RADIUS, "trailing"),
     ),
     "polynomial": (
         {"profile": _polynomial(0.0, 20.0, 4e4, 1e9)},
-        profile.Profile(lambda x: 20 * x + 4e4 * x**2 + 1e9 * x**3),
+        collocation.Profile(lambda x: 20 * x + 4e4 * x**2 + 1e9 * x**3),
     ),
 }  # fmt: skip
 CONDUCTED = {(1, 2): "both", (1,): "electric", (2,): "magnetic", (): "neither"}
@@ -141,7 +141,7 @@ def _moment(surface: SurfaceResponse) -> float:
     """Relative error of the depth of a flat punch whose moment replaces its slope."""
     case = _case("tilted flat", (1, 2))
     numerical = collocation.solve(_problem("tilted flat", case, 8, surface))
-    right, left, weight = end_proof_nodes()
+    right, left, weight = collocation.end_proof_nodes()
     pressure = -numerical._tractions(right, left)[0]
     moment = numerical.half_width**2 * float(np.sum(weight * pressure * (left - right) / 2))
     tilted = {name: value for name, value in case.items() if name != "slope"} | {"moment": moment}
@@ -155,7 +155,7 @@ def _circle(surface: SurfaceResponse) -> list[float]:
     for k in range((_TAYLOR + 1) // 2):
         slope[2 * k + 1] = comb(2 * k, k) / 4**k / RADIUS ** (2 * k + 1)
     case = _case("cylinder", (1, 2)) | {"load": _CIRCLE_LOAD, "charge": 0.0, "magnetic_charge": 0.0}
-    problem = replace(_problem("cylinder", case, 8, surface), profile=profile.circle(RADIUS))
+    problem = replace(_problem("cylinder", case, 8, surface), profile=collocation.circle(RADIUS))
     del case["radius"]
     inside = X[np.abs(X) < 0.95]
     exact = solver.solve(case | {"profile": _polynomial(*slope)}, inside)

@@ -16,7 +16,7 @@ from pydantic import (
 
 from solver import Material, find
 from solver.described import Contact
-from solver.material.laws import compose
+from solver.material.composite import compose
 from solver.names import CHOICES, COMPOSITES, FORMULAS, OF_A_FILM, PROFILES
 from solver.units import BOLTZMANN
 from workflow.language.constants import DEVICE
