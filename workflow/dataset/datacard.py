@@ -8,19 +8,17 @@ from typing import Any
 
 import netCDF4
 import numpy as np
-import xarray as xr
 
 from storage.blocks import STATISTICS
 from storage.described import LICENSE
 from storage.netcdf import MAX_BYTES
 from storage.rootunits import unscaled
 from storage.sealed import check_seal
-from workflow.dataset import holes, similar
+from workflow.dataset import similar
 from workflow.dataset.batches import PLACE
 from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped
 from workflow.study.model import Study
-from workflow.study.refusals import REASON, REFUSAL, masked
 from workflow.study.representatives import middles
 
 _WORDS = (
@@ -52,7 +50,6 @@ _NETCDF = "application/x-netcdf"
 
 def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Path]) -> dict[str, Any]:
     """The card as plain data, from the slabs' headers and the times of the jobs that made them."""
-    lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
     variables = {key: _merged([file["variables"][key] for file in files]) for key in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
@@ -77,7 +74,6 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
         "files": [{key: file[key] for key in ("name", "levels", "bytes", "sha256")} for file in files],
         "variables": variables,
         "positions": files[0]["positions"],
-        **({"refused": lacking} if lacking else {}),
     }
 
 
@@ -98,22 +94,6 @@ def markdown(card: Mapping[str, Any]) -> str:
         words = " ".join(f"{factor}^{power:g}" for factor, power in powers.items()) or "1"
         alike.setdefault(words, []).append(name)
     return environment.get_template("datacard.md.j2").render(card, alike=alike)
-
-
-def _refused(study: Study, slabs: Sequence[Path]) -> dict[str, Any]:
-    """Number of refused places with their range and reasons; empty where the solver refuses none."""
-    parts = []
-    for slab in slabs:
-        with netCDF4.Dataset(slab, "r") as file:
-            dims = [*study.axes, *study.categories]
-            part = xr.Dataset(coords={name: np.asarray(file[name][:]) for name in dims if name in file.variables})
-            if REFUSAL in file.variables:
-                mask = xr.Variable(file[REFUSAL].dimensions, np.asarray(file[REFUSAL][:]))
-                part = masked(part, mask, file[REASON][:].tolist())
-        parts.append(part)
-    if not any(REFUSAL in part for part in parts):
-        return {}
-    return holes.summary(holes.joined(parts, next(iter(study.axes))), list(study.axes))
 
 
 def _groups(study: Study) -> dict[str, Any]:
@@ -138,8 +118,6 @@ def _groups(study: Study) -> dict[str, Any]:
 def _file(path: Path, first: str) -> dict[str, Any]:
     digest = check_seal(path, MAX_BYTES, digest=False)
     with netCDF4.Dataset(path, "r") as file:
-        mask = np.asarray(file[REFUSAL][:]) if REFUSAL in file.variables else np.zeros(1)
-        answered = np.count_nonzero(mask == 0) / mask.size
         return {
             "name": f"{path.parent.name}/{path.name}",
             "levels": file.dimensions[first].size,
@@ -149,7 +127,7 @@ def _file(path: Path, first: str) -> dict[str, Any]:
             "variables": {
                 name: {
                     "type": str(variable.dtype),
-                    "count": round(variable.size * answered),
+                    "count": variable.size,
                     "attributes": _attributes(variable),
                 }
                 for name, variable in file.variables.items()

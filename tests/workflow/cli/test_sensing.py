@@ -113,7 +113,9 @@ def test_histories_are_tables_with_units(text: str, length: float | None, forces
 def test_a_history_may_have_temperatures(heading: str, zero: float, tmp_path: Path) -> None:
     path = tmp_path / "history.csv"
     path.write_text(f"time [s],force [N],{heading}\n0,0,22\n1,1,33.5\n", encoding="utf-8")
-    np.testing.assert_allclose(read_history(path, None)[0].temperatures, np.array([22, 33.5]) + zero, rtol=1e-15)
+    temperatures = read_history(path, None)[0].temperatures
+    assert temperatures is not None
+    np.testing.assert_allclose(temperatures, [22 + zero, 33.5 + zero], rtol=1e-15)
 
 
 @pytest.mark.parametrize(
