@@ -103,7 +103,6 @@ static const unsigned char trend_degree[TERMS][AXES] = {
 {% if grouped %}
 static const real added_power[INPUTS] = { {{ added_power|join(', ') }} };
 {% endif %}
-{% endif %}
 
 /* Whether a number is zero or normal: by its bits, since -ffast-math takes comparisons with NaN for granted. */
 static int is_normal(const real *number)
