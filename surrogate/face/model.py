@@ -16,7 +16,7 @@ from surrogate.data.points import EVEN, Attrs, Labels, Points, Queries, named_po
 from surrogate.face.core import Core
 from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
-from surrogate.intervals.copula import MOST_POINTS, ends
+from surrogate.intervals.copula import ends
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.sharing import sharing
 
@@ -79,8 +79,6 @@ class GaussianProcess(Core):
     >>> median = model.calibrate(cases).quantile({"x": 0.2, "y": 1.5}, 0.5)
     >>> bool(abs(median["f"] - 1.5 * np.exp(0.2)) < 1e-6)
     True
-    >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
-    (5,)
     >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
     >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
     (True, True, 300)
@@ -492,62 +490,6 @@ class GaussianProcess(Core):
         coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
         quantiles = self._stacked("quantile", values, named, flags).assign_coords(quantile=coordinate)
         return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
-
-    def sample(
-        self, points: Queries, n: int, seed: int, *, extrapolate: bool = False, together: bool = True
-    ) -> xr.Dataset:
-        """Draw from the predictive distributions, outputs and points together.
-
-        Errors of outputs go together as those of the held-out cases did, and those of near points by a length along
-        every input (module `copula`): a ratio or a difference of what is drawn is as uncertain as it really is. A model
-        that is not calibrated, or that measured rows have corrected, knows of no such thing, and draws every point
-        and output for itself.
-
-        Parameters
-        ----------
-        points, extrapolate
-            As for `predict`.
-        n : int
-            Draws, >= 1.
-        seed : int
-            The same seed gives the same draws.
-        together : bool
-            Whether points are drawn together, 3,000 of them at most; else each for itself, with its outputs together.
-
-        Returns
-        -------
-        Dataset
-            `<output>` over `sample`, then the broadcast dimensions.
-
-        Raises
-        ------
-        OutOfBoxError, ValueError
-            As for `predict`; n below one; more points than are drawn together; a model whose file, of an earlier
-            version, kept no rows of its calibration.
-        """
-        if n < 1:
-            raise ValueError(f"n {n} must be at least 1")
-        named, (mean, std), flags = self._asked(points, True, extrapolate)
-        share = self._shares(named.X, n, np.random.default_rng(seed), together)
-        deviations = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
-        return self._stacked("sample", mean[:, None] + deviations * std[:, None], named, flags)
-
-    def _shares(self, X: Array, n: int, random: np.random.Generator, together: bool) -> Array:
-        """Draw a probability for every output and point (m, d): (p, n, m)."""
-        if self.calibration_ is None:
-            return random.uniform(np.finfo(float).tiny, 1, (len(self.outputs_), n, len(X)))
-        copula = self.calibration_.copula
-        if copula is None:
-            raise ValueError("the model's file kept no rows of its calibration to draw together: `make run` anew")
-        if not together:
-            alone = copula.drawn(np.zeros((len(copula.lengths), 1)), n * len(X), random)
-            return alone.reshape(len(self.outputs_), n, len(X))
-        if len(X) > MOST_POINTS:
-            raise ValueError(
-                f"{len(X)} points are more than the {MOST_POINTS} that are drawn together; together=False draws each "
-                "for itself"
-            )
-        return copula.drawn(self.calibrated_at(X), n, random)
 
     def ends_of_sum(self, X: NDArray[np.floating[Any]], weights: Array, level: float | None = None) -> Array:
         """Return the ends of the interval of a weighted sum of outputs at points, less its mean.

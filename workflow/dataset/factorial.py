@@ -1,6 +1,6 @@
 """The factorial of a study: its axes, its exact cases, and random cases in the same box."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,10 @@ from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
 from workflow.dataset import draws, similar
-from workflow.dataset.casecache import CaseCache
+from workflow.dataset.casecache import CaseCache, labelled, selected, sizes
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
-from workflow.study.refusals import refused
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
@@ -135,11 +134,37 @@ def exact(
     try:
         solved = entrance(factors)
     except FactorError as error:
-        raise _named(study, *refused(entrance, factors, error)) from None
+        raise _named(study, *_refused(entrance, factors, error)) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
         solved = solved.assign_coords(along).transpose(*dict.fromkeys(axis.dims[0] for axis in along.values()), ...)
     return solved.drop_vars([name for name, quantity in ALL_QUANTITIES.items() if quantity.sparse and name in solved])
+
+
+def _refused(
+    solved: Callable[[Mapping[str, Any]], object], factors: Mapping[str, Any], reason: FactorError
+) -> tuple[dict[str, Any], FactorError]:
+    """Return factors and reason of one refused case, searched by halves; no factors where only several are refused."""
+    cases = {name: labelled(name, value) for name, value in factors.items()}
+    region = {dim: slice(0, size) for dim, size in sizes(cases).items()}
+    while True:
+        longest = max(region, key=lambda dim: _length(region[dim]), default="")
+        if not longest or _length(region[longest]) == 1:
+            return {name: array.item() for name, array in selected(cases, region).items()}, reason
+        whole = region[longest]
+        middle = (whole.start + whole.stop) // 2
+        for half in (slice(whole.start, middle), slice(middle, whole.stop)):
+            try:
+                solved(selected(cases, {**region, longest: half}))
+            except FactorError as error:
+                region, reason = {**region, longest: half}, error
+                break
+        else:
+            return {}, reason
+
+
+def _length(part: slice) -> int:
+    return int(part.stop - part.start)
 
 
 def _named(study: Study, case: Mapping[str, Any], reason: FactorError) -> FactorError:
