@@ -14,7 +14,6 @@ from approximation.arrays import Array, Flags, blocks, unmasked
 from surrogate.data.inputs import Input, physical_points, unit_coordinates
 from surrogate.data.points import EVEN, Attrs, Labels, Points, Queries, named_points, outside, require_inside
 from surrogate.face.core import Core
-from surrogate.face.region import Region
 from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
 from surrogate.intervals.copula import MOST_POINTS, ends
@@ -51,8 +50,6 @@ class GaussianProcess(Core):
         Level of its intervals where none is given.
     cases_ : int
         Number of cases that it was trained on.
-    region_ : Region or None
-        Where in the box it has answers; None where that is all of it.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
 
@@ -88,9 +85,8 @@ class GaussianProcess(Core):
     >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
     (True, True, 300)
     >>> least, most = model.ends_of_sum(np.array([[0.2, 1.5]]), np.array([[1.0, -1.0]]))  # of f - g
-    >>> bool(least < 0 < most), model.everywhere() is model, model.within(None).region_
-    (True, True, None)
-    >>> model.require_answers(np.array([[0.2, 1.5]]))
+    >>> bool(least < 0 < most)
+    True
     >>> model.has_answers(np.array([[0.2, 1.5], [0.2, 3.0]])).tolist()
     [True, False]
     >>> model.check_level(0.9)
@@ -104,7 +100,6 @@ class GaussianProcess(Core):
     made_from_: str = ""
     calibration_: Calibration | None
     level_: float = NOMINAL
-    region_: Region | None = None
     _made_labels: Labels | None = None
     # ends of one level, with what they were made from: a query alone asks for the same again and again
     _made_ends: tuple[Calibration | None, float, Array] | None = None
@@ -334,7 +329,7 @@ class GaussianProcess(Core):
         level = self.checked_level(level)
         named = named_points(points, self.inputs_)
         if not extrapolate:
-            self.require_answers(named.X)
+            require_inside(named.X, self.inputs_)
         slopes = self.physical_slopes(named.X, self.slopes)
         parts = {("", "derivative"): slopes}
         if return_std:
@@ -365,31 +360,12 @@ class GaussianProcess(Core):
         Raises OutOfBoxError for a point outside the box.
         """
         points = np.asarray(unmasked(X), dtype=np.float64)
-        self.require_answers(points)
+        require_inside(points, self.inputs_)
         return np.ascontiguousarray(self.physical_slopes(points, self.slopes).T)
 
-    def everywhere(self) -> Self:
-        """Return the model with answers in all of its box, where cases are refused too; itself if none are."""
-        return self if self.region_ is None else self.within(None)
-
-    def within(self, region: Region | None) -> Self:
-        """Return the model with answers in a region alone; None is all of its box."""
-        model = copy(self)
-        model.region_ = region
-        return model
-
-    def require_answers(self, X: Array) -> None:
-        """Raise OutOfBoxError, naming input, value and what is allowed, unless it has answers at all points (n, d)."""
-        require_inside(X, self.inputs_)
-        if self.region_ is not None:
-            self.region_.require(X, self.inputs_)
-
     def has_answers(self, X: Array) -> Flags:
-        """Return at which physical points, (n, d), it has answers: in the box, and where no case is refused; (n,)."""
-        inside = np.asarray(~outside(X, self.inputs_).any(axis=1))
-        if self.region_ is not None and inside.any():
-            inside[inside] = self.region_.inside(unit_coordinates(self.inputs_, X[inside]))
-        return inside
+        """Return which physical points, (n, d), are in the box; (n,)."""
+        return np.asarray(~outside(X, self.inputs_).any(axis=1))
 
     def _require_fitted(self) -> None:
         if not hasattr(self, "inputs_"):
@@ -425,8 +401,6 @@ class GaussianProcess(Core):
 
     def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
         """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
-        if self.region_ is not None and not extrapolate:
-            self.require_answers(X)
         if not extrapolate:
             require_inside(X, self.inputs_)
         mean, std = self.all_mean_std(X, return_std)

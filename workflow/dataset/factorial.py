@@ -15,7 +15,7 @@ from workflow.dataset.casecache import CaseCache
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
-from workflow.study.refusals import AllRefusedError, answered, refused
+from workflow.study.refusals import refused
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
@@ -83,16 +83,15 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
 def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset:
     """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
 
-    Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
-    refuses are masked.
+    Those for calibration have the curves that the surrogate learns, where it can correct them.
     """
     number, key = SAMPLES[name]
     ends = name == "calibration" and bool(study.groups) and not study.regions
     drawn, even = draws.sample(study, getattr(study.validation, key), (study.validation.seed, number), ends)
     if not ends:
-        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, cache=cache)
+        return exact(study, drawn, curves=name == "calibration" and not study.groups, cache=cache)
     attributes = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, drawn, holes=np.inf, cache=cache).assign_coords({EVEN: ("case", even, attributes)})
+    return exact(study, drawn, cache=cache).assign_coords({EVEN: ("case", even, attributes)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -108,10 +107,9 @@ def exact(
     peaks: Collection[str] | None = None,  # largest stresses; None: those that the data set has
     regular: bool = False,  # whether the regular parts of the surface fields are wanted
     curves: bool = False,  # whether the curves that the surrogate learns are wanted
-    holes: float | None = None,  # most cases that may be refused, which are then masked; None: none
     cache: CaseCache | None = None,  # of what was solved before
 ) -> xr.Dataset:
-    """The exact solver at values of the axes (SI), for every category; FactorError, HolesError or AllRefusedError.
+    """The exact solver at values of the axes (SI), for every category; FactorError names a case that is refused.
 
     Values of all groups in place of factors make the factors coordinates. What is no number in some cases is left out.
     """
@@ -135,9 +133,7 @@ def exact(
     options |= {"positions": None if positions is None else list(map(float, positions))}
     entrance = whole if cache is None else cache.around(study, whole, options)
     try:
-        solved = entrance(factors) if holes is None else answered(entrance, factors, holes)
-    except AllRefusedError:
-        raise
+        solved = entrance(factors)
     except FactorError as error:
         raise _named(study, *refused(entrance, factors, error)) from None
     if over:

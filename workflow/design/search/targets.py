@@ -103,8 +103,6 @@ def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
     return whole.isel(front=undominated[np.argsort(values[undominated, 0])])
 
 
-#: By how much the margin of the edge is made wider, each time that the solver refuses the best design.
-_WIDER = (0.01, 0.02, 0.04, 0.08)
 _TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
 
 #: A question for another target, with the choices of a design.
@@ -131,15 +129,9 @@ def answer(
 ) -> Answer:
     """Answer any target on the study's factors; see `solve_target`."""
     several = len(target.objectives) > 1
-    for share in (*_WIDER, np.inf):
-        candidates = _candidates(study, name, target, model, tell)
-        tell("polishing on the exact solver")
-        best = polish.first_feasible(sorted(candidates, key=lambda candidate: _rank(candidate.best), reverse=True))
-        if model.region_ is None or not (reason := _refusal(best)):
-            break
-        if not np.isfinite(share):
-            raise InputError(f"design: {name}: the best design has a case that the solver refuses: {reason}")
-        model = model.within(model.region_.narrower(share))
+    candidates = _candidates(study, name, target, model, tell)
+    tell("polishing on the exact solver")
+    best = polish.first_feasible(sorted(candidates, key=lambda candidate: _rank(candidate.best), reverse=True))
     tell("judging on the exact solver")
     judged = assessment.judge(best.design)
     if judged.outside and not target.allow_outside_interval:
@@ -170,14 +162,6 @@ def _left_out(study: Study, target: Target, judged: Answer) -> tuple[leftout.Lef
     smallest = next((figure.figure_high for figure in judged.figures if figure.figure == "smallest_force"), np.nan)
     band = judged.terms[0].spread
     return leftout.budget(*(leftout.of_study(study, case, smallest, band) for case in cases))
-
-
-def _refusal(best: Candidate) -> str:
-    """Why the solver refuses the design in some corner; empty where it answers all.
-
-    The margin of the edge promises most of all cases, and a search finds the place where it promises too much.
-    """
-    return best.question.exact.refusal(best.design.factors(best.question.judged[False]))
 
 
 def _candidates(
@@ -223,7 +207,7 @@ def _asked(
     held = {key: float(value) for key, value in choice.items() if key not in categories}
     wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
     narrowed, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
-    return Candidate(choice, ask(narrowed, name, target, predicted, Exact(narrowed, predicted), held))
+    return Candidate(choice, ask(narrowed, name, target, predicted, Exact(narrowed), held))
 
 
 def _rank(best: Optimum) -> tuple[bool, float]:
