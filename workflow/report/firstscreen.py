@@ -323,7 +323,7 @@ def card(
     moved = {"signal", "stress"}
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
-    charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["output"]), "V", 3)
+    charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["contact_output"]), "V", 3)
     bands_of_both = [asides.band(signal[name]) for name in ("charge_spread", "output_spread")]
     if bands_of_both[0] and bands_of_both[0] == bands_of_both[1]:  # said once
         read = f"{charge} and {output} at the output, both{bands_of_both[0]}"

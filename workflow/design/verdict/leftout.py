@@ -461,7 +461,7 @@ def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
     is_leaky = np.isfinite(resistance)
     left = -bias * resistance * np.expm1(-time / lasting) if is_leaky else bias * time / whole
     brief = f"the bias current adds {_times(left / signal)} the signal in {shown(time, 's', 2)}"
-    detail = f"; {shown(bias, 'A', 2)} adds {shown(left, 'V', 2)} where the signal is {shown(signal, 'V', 2)}"
+    detail = f"; {shown(bias, 'A', 2)} adds {shown(left, 'V', 2)} where the signal is {shown(signal, 'V', 3)}"
     if is_leaky:
         detail += f", and {shown(bias * resistance, 'V', 2)} in the end (time constant {shown(lasting, 's', 2)})"
     if np.isfinite(case.smallest_force) and bias:
