@@ -316,7 +316,7 @@ def card(
     ]
     beyond = [*linearity.beyond(signal_study, held), *linearity.beyond_small_strain(signal_study, held, *sizes)]
     nearest = linearity.nearest(signal_study, held)
-    reached = "within the tolerances {} reaches {} % of the {}" if bands else "{} is {} % of the {}"
+    reached = "within the tolerances the {} reaches {} % of the {}" if bands else "the {} is {} % of the {}"
     share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
     stops = [*(words for words, _ in beyond)] or [share] * bool(share)
     usual = "within linear theory" if not bands or nearest is None else RECOMMENDED

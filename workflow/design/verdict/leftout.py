@@ -218,10 +218,10 @@ def budget(case: SolvedCase, pressed: SolvedCase | None = None) -> tuple[LeftOut
 
 
 def _rank(effect: LeftOut) -> float:
-    """Exceeded limits first, then by the ratio to the band; last what has none."""
+    """By the ratio to the band; an exceeded limit follows what takes the word "recommended"; last what has none."""
     if np.isfinite(effect.left_out_ratio):
         return -effect.left_out_ratio
-    return -np.inf if effect.left_out_size > effect.left_out_matters else 1.0
+    return -MOST if effect.left_out_size > effect.left_out_matters else 1.0
 
 
 def largest(effects: Sequence[LeftOut], moved: Set[str]) -> LeftOut | None:
