@@ -61,6 +61,7 @@ def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
     answer = questions.ask(Path("results/small"), options, steps.append)
     exactly = [f"{step} on the exact solver" for step in ("polishing", "judging")]
     assert steps == ["searching", *exactly, "the fields of the design"]
+    monkeypatch.setattr(questions, "ask", lambda *_: answer)  # what is asked of it: the test above
     for name, written in (("x.csv", as_csv([answer])), ("x.json", f"{as_json(answer)}\n")):
         assert main.main([*words, "-o", str(tmp_path / name)]) == 0
         assert (tmp_path / name).read_text(encoding="utf-8") == written

@@ -92,7 +92,7 @@ def test_a_release_is_that_of_the_circuit_with_solved_contacts(name: str) -> Non
         node = np.zeros(1)
         expected = [0.0]
         for begin, end in pairwise(history.times):
-            node = scipy.integrate.solve_ivp(current, (begin, end), node, "LSODA", rtol=1e-10, atol=1e-24).y[:, -1]
+            node = scipy.integrate.solve_ivp(current, (begin, end), node, "LSODA", rtol=1e-8, atol=1e-20).y[:, -1]
             force = np.cbrt(np.interp(end, history.times, history.forces))
             expected.append(float(node[0] - charge_at(force)) / float(capacitance_at(force) + fed))
         voltage = read(history, contact, circuit).voltage
