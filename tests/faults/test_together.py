@@ -34,9 +34,9 @@ def test_neither_a_second_run_nor_an_edit_of_the_study_disturbs_the_first(tiny: 
         assert re.search(r"^study 'tiny' is already being run \(process \d+\): wait", second.stderr, re.MULTILINE)
     first.join()
     assert first.exitcode == 0
-    expected, made = contents(undisturbed), contents(project)
-    assert made.keys() == expected.keys()
-    assert [name for name, content in expected.items() if made[name] != content] == []
+    expected, files = contents(undisturbed), contents(project)
+    assert files.keys() == expected.keys()
+    assert [name for name, content in expected.items() if files[name] != content] == []
     assert {"slab", "cases", "surrogate"} <= project.planned(last)  # the edit is seen now
     study.write_text(TINY, encoding="utf-8")
     assert not project.planned(last)
