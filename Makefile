@@ -60,7 +60,7 @@ slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compa
 cloud: .venv/dev.stamp .venv/cloud.stamp  ## a small study without a shared disk: a bucket, and a folder of its own for every job
 	$(BIN)/python -m pytest -m cloud tests/cloud
 
-referees: .venv/referees.stamp  ## what public referees say of a run's files: CF, Croissant, RO-Crate [STUDY=quickstart]
+referees: .venv/referees.stamp  ## what public referees say of a run's netCDF files [STUDY=quickstart]
 	@.venv/referees/bin/python tests/referees.py "results/$(STUDY)"
 
 lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract
