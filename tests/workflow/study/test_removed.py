@@ -32,10 +32,10 @@ device: {{{length}amplifier: {{input_capacitance: 10 pF}}}}
 def _unsolved(monkeypatch: pytest.MonkeyPatch) -> None:
     """The solver is not asked: every case has all quantities of its kind of body."""
 
-    def answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
+    def answered(study: Contents, *_: Any, **options: Any) -> xr.Dataset:
         return xr.Dataset(dict.fromkeys(study.kind.quantities, 0.0))
 
-    monkeypatch.setattr(solvable, "_answered", answered)
+    monkeypatch.setattr(Contents, "solved", answered)
     monkeypatch.setattr(solvable, "solve_effects", lambda study: None)
     monkeypatch.setattr(model, "solve_effects", lambda study: None)
     hanging = datum.hanging
