@@ -143,7 +143,7 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
         "material": "PZT-4",
         "profile": "sphere",
         "magnetic": "insulating",
-        "base": "silicon",
+        "base": "steel",
     }
     ball |= {"thickness": 50e-6, "radius": 0.017}
     meeting: Meeting = "point in air, charge amplifier"
@@ -154,7 +154,7 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
     # the mean rise of a disc of even flux on a half-space is 8 Q / (3 pi^2 kappa a)
     solved = solver.solve(ball | {"force": 0.2})
     radius = float(solved["contact_radius"])
-    film = film_coefficient(solver.find("PZT-4"), solver.find("silicon"))
+    film = film_coefficient(solver.find("PZT-4"), solver.find("steel"))
     equal = abs(0.2 * float(solved["charge_per_force"]) / (film * np.pi * radius**2))
     kappa = solver.find("PZT-4").thermal["conductivity"].value
     rise = 8 * (0.3 * 0.2 * 1e-3) / (3 * np.pi**2 * kappa * radius)

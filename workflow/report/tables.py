@@ -55,10 +55,6 @@ def verification(folder: Path) -> dict[str, Any]:
     }
 
 
-#: What the sample for validation has come to, of a study with refused cases (`workflow.learning.training.validate`).
-REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
-
-
 def dataset(folder: Path, card: Mapping[str, Any], quantities: Collection[str]) -> dict[str, Any]:
     """Range of every quantity that is told, and size of the data set."""
     data = read_whole(folder / "quantities.nc")
@@ -81,7 +77,6 @@ def dataset(folder: Path, card: Mapping[str, Any], quantities: Collection[str]) 
         "bytes": card["bytes"],
         "cases": card["cases"],
         "places": places,
-        "refused": card.get("refused"),
     }
 
 
@@ -157,7 +152,6 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
         "ideal": _ideal(data, study),
         "tolerance": tolerance,
         "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
-        "refused": {key: int(data.attrs[key]) for key in REFUSED} if "refused" in data.attrs else None,
         "worst": worst,
         "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
         "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),

@@ -11,13 +11,16 @@ from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, and few designs need it
 import xarray as xr
-from scipy.optimize import brentq
 
+from approximation.arrays import Array
 from solver import FactorError, Material, MaterialError, Stack, solve
 from solver.body import Kind
 from solver.face.heat import charged_area, responses, stack_of
 from solver.face.strain import DEEP, WIDE
+from solver.heat.charge import film_gap
+from solver.heat.touch import Spot
 from solver.material.punches import RIGID_PUNCH, punches
 from solver.names import BODY, CHOICES, FACTORS, NEVER_TEMPERATURE
 from workflow.language import titles
@@ -326,12 +329,21 @@ def _pad(case: SolvedCase) -> Iterator[LeftOut]:
     yield _effect(case, "end of the pad", "signal", PAD * share / _FEW, PAD, "m", share, brief, detail)
 
 
-def _through_gap(case: SolvedCase) -> float:
-    """Charge by the same polarisation of all of the film over that of the contact's part, of a punch that reads it."""
-    if "collector" in case.factors or case.stack is None or case.kind.space:
-        return 1.0
-    alone = np.pi * case.half**2 if case.point else 2 * case.half
-    return charged_area({**case.factors, **case.solved}, case.stack) / alone
+def _moments_over_charge(case: SolvedCase, stack: Stack, moments: Callable[[Array], Array]) -> float:
+    """Integral of a base's bending moments at distances from the force over the film whose charge is read.
+
+    In air a punch reads through its gap as well (docs/heat.md), insulated as much as its capacitance says.
+    """
+    pad = case.collecting
+    edges = pad * np.append(np.linspace(0.0, 1.0, 65), np.geomspace(1.0, SUPPORT / pad, 257)[1:])
+    r, areas = (edges[1:] + edges[:-1]) / 2, np.diff(np.pi * edges**2 if case.point else 2 * edges)
+    is_read_by_punch = "collector" not in case.factors and not case.kind.space
+    radius = case.radius if is_read_by_punch and case.kind.air else None
+    gap = Spot("disc" if case.point else "strip", pad, radius=radius).gap(r)
+    collected = areas / (1 + gap / max(film_gap(stack), np.finfo(float).tiny)) @ moments(r)
+    if not is_read_by_punch or case.kind.air:
+        return float(collected)
+    return float(collected / areas[gap == 0].sum() * charged_area({**case.factors, **case.solved}, stack))
 
 
 def _bending(case: SolvedCase) -> Iterator[LeftOut]:
@@ -352,13 +364,14 @@ def _bending(case: SolvedCase) -> Iterator[LeftOut]:
     coefficient = max(abs(float(film.e31 - film.e33 * film.c13 / film.c33)) for film in films)
     if not np.isfinite(biaxial) or not coefficient:
         return
-    pad = case.collecting
-    if case.point:
-        moments = pad**2 / 4 * (2 * (1 + poisson) * (np.log(SUPPORT / pad) + 0.5) + 1 - poisson)
-        stretched = 6 / biaxial * moments
-    else:
-        stretched = 6 / plate * (SUPPORT - pad / 2) * pad
-    thickness = float(np.sqrt(coefficient * _through_gap(case) * stretched * case.force / (_FEW * case.charge)))
+
+    def moments(r: Array) -> Array:
+        if case.point:
+            return np.asarray((2 * (1 + poisson) * np.log(SUPPORT / r) + 1 - poisson) / (4 * np.pi))
+        return (SUPPORT - r) / 2
+
+    stretched = 6 / (biaxial if case.point else plate) * _moments_over_charge(case, stack, moments)
+    thickness = float(np.sqrt(coefficient * stretched * case.force / (_FEW * case.charge)))
     brief = f"a base thinner than {shown(thickness, 'm', 2)} on supports {shown(SUPPORT, 'm', 2)} away bends"
     detail = f", and changes the charge by more than {number(100 * _FEW, 2)} %"
     yield _effect(case, "bending of the base", "", thickness, np.nan, "m", np.nan, brief, detail)
@@ -405,7 +418,7 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
         def overload(middle: float) -> float:
             return float((middle + falls / 2) ** (n + 1) - (middle - falls / 2) ** (n + 1)) - (n + 1) * falls
 
-        deepest = float(brentq(overload, falls / 2, 2.0)) + falls / 2
+        deepest = float(scipy.optimize.brentq(overload, falls / 2, 2.0)) + falls / 2
     factor, left = deepest**m, min(deepest / falls, 1.0)
     lifting, doubling = (TILT / falls * end for end in ((n + 1) ** (1 / n), 2 ** ((n + 1) / m) / (n + 1)))
     brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {_raised('', factor)}"
@@ -466,7 +479,7 @@ def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
         detail += f", and {shown(bias * resistance, 'V', 2)} in the end (time constant {shown(lasting, 's', 2)})"
     if np.isfinite(case.smallest_force) and bias:
         drift = case.smallest_force / case.force * case.charge / bias
-        detail += f"; it equals the smallest force after {shown(drift, 's', 2)}"
+        detail += f"; its charge equals that of the smallest force after {shown(drift, 's', 2)}"
     yield _effect(case, "amplifier", "signal", left, signal, "V", left / signal, brief, detail)
 
 
@@ -506,7 +519,7 @@ def _friction(case: SolvedCase) -> Iterator[LeftOut]:
     tension = case.solved["trailing_tension"]
     tension_at_rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
     brief = f"friction slides everywhere, with a tension of {shown(tension, 'Pa', 3)}"
-    detail = f"; a press without motion has {shown(tension_at_rest, 'Pa', 3)} where friction does not act"
+    detail = f"; a press without motion has less, without friction {shown(tension_at_rest, 'Pa', 3)}"
     yield _effect(case, "friction", "", tension, np.nan, "Pa", np.nan, brief, detail)
 
 
