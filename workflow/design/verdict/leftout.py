@@ -11,8 +11,8 @@ from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, and few designs need it
 import xarray as xr
-from scipy.optimize import brentq
 
 from approximation.arrays import Array
 from solver import FactorError, Material, MaterialError, Stack, solve
@@ -431,7 +431,7 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
         def overload(middle: float) -> float:
             return float((middle + falls / 2) ** (n + 1) - (middle - falls / 2) ** (n + 1)) - (n + 1) * falls
 
-        deepest = float(brentq(overload, falls / 2, 2.0)) + falls / 2
+        deepest = float(scipy.optimize.brentq(overload, falls / 2, 2.0)) + falls / 2
     factor, left = deepest**m, min(deepest / falls, 1.0)
     lifting, doubling = (TILT / falls * end for end in ((n + 1) ** (1 / n), 2 ** ((n + 1) / m) / (n + 1)))
     brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {_raised('', factor)}"
