@@ -21,7 +21,7 @@ run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run
 check: .venv/dev.stamp  ## linters, types, import contracts and the tests of moments; two minutes on two cores, three and a half where no types are cached
 	@$(MAKE) --no-print-directory --jobs=2 lint tests LAYERS='-m "not slow and not soak"'
 
-test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; eight minutes on two fast cores, thirteen on slow ones
+test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; six minutes on two cores that do nothing else
 	@$(MAKE) --no-print-directory --jobs=2 lint tests
 
 outside: .venv/dev.stamp .venv/referees.stamp  ## the tests that need Chromium, Node.js, ncdump or ncks
