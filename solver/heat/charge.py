@@ -138,6 +138,10 @@ class HeatedStack:
 
         The charge decays with the circuit's time constant ``leak`` [s] as well.
         """
+        if not self.weights.any():
+            return np.inf
+        if not charge:
+            return _EARLIEST
 
         def excess(log: float) -> float:
             heat_charge = abs(self.collected(self.warmed(spot, 10**log, leak), patch))

@@ -85,7 +85,8 @@ class Group(Strict):
         None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
     scale: Literal["linear", "log", "logit"] | None = Field(
-        None, description="coordinate in which the levels are spread; null: what decays fastest, where levels are open"
+        None,
+        description="coordinate in which the levels are spread; null: its one factor's, or log over a decade",
     )
 
 
