@@ -5,6 +5,7 @@ Processor time on one thread. A contact in air solves systems of its 160 unknown
 commands and studies `import numpy`.
 """
 
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -72,9 +73,11 @@ def in_air() -> dict[str, float]:
     result = dict[str, float]()
     for name, (case, factor, ends, unknowns) in AIR.items():
         loads = np.linspace(*ends, LOADS)
-        first, every = (_solving(case | {factor: xr.DataArray(part, dims="case")}) for part in (loads[:1], loads))
-        every()
-        cost = (least(every).processor - least(first).processor) / (LOADS - 1)
+        one_load, all_loads = (
+            _solving(case | {factor: xr.DataArray(part, dims="case")}) for part in (loads[:1], loads)
+        )
+        all_loads()
+        cost = (least(all_loads).processor - least(one_load).processor) / (LOADS - 1)
         result |= _beside(name, cost, "numpy.linalg.solve", _linear(unknowns))
     return result
 
@@ -132,8 +135,9 @@ def studies() -> dict[str, float]:
     result = dict[str, float]()
     with tempfile.TemporaryDirectory() as folder:
         run = partial(_meecontact, folder=folder)
+        shutil.copytree(ROOT / "config", Path(folder) / "config")
         for name in STUDIES:
-            cost = timed(run("run", str(ROOT / f"config/{name}.yaml"), "--cores", "1"))[1].processor
+            cost = timed(run("run", name, "--cores", "1"))[1].processor
             result |= _beside(f"study {name}", cost, "import numpy", numpy_alone)
         surrogate, measured = f"results/{STUDIES[0]}/surrogate.nc", Path(folder) / "measured.csv"
         _measured().to_dataframe().to_csv(measured, index=False)
@@ -182,8 +186,8 @@ def queries() -> dict[str, float]:
 def _beside(name: str, cost: float, rival: str, yardstick: float) -> dict[str, float]:
     """Cost [s] of a row, over that of its yardstick, and over what was asked."""
     row = {f"{name} [s]": cost, f"{name}, over {rival}": cost / yardstick}
-    asked = SECONDS.get(name, TIMES.get(name, np.inf) * yardstick)
-    return row | ({f"{name}, over what was asked": cost / asked} if np.isfinite(asked) else {})
+    limit = SECONDS.get(name, TIMES.get(name, np.inf) * yardstick)
+    return row | ({f"{name}, over what was asked": cost / limit} if np.isfinite(limit) else {})
 
 
 def _solving(case: Mapping[str, object]) -> Callable[[], xr.Dataset]:
@@ -200,5 +204,9 @@ def _meecontact(*words: str, folder: str | None = None) -> Callable[[], object]:
 
 
 def _process(code: str, *words: str, folder: str | None = None) -> Callable[[], object]:
-    command = [sys.executable, "-c", code, *words]
-    return lambda: subprocess.run(command, check=True, capture_output=True, cwd=folder)
+    def run() -> None:
+        done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, cwd=folder)
+        if done.returncode:
+            raise RuntimeError(f"{' '.join(words)}: {done.stderr[-2000:]}")
+
+    return run

@@ -291,7 +291,7 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
-            raise argparse.ArgumentError(action, f"{value!r} is none; {nearest(str(value), list(action.choices))}")
+            raise argparse.ArgumentError(action, f"{value!r} is unknown; {nearest(str(value), list(action.choices))}")
 
     def error(self, message: str) -> NoReturn:
         """Report bad usage in one line, without the usage text."""

@@ -97,6 +97,8 @@ def sheet(path: Path, largest: int) -> Sheet:
     for magic, what in _FORMATS.items():
         if head.startswith(magic):
             raise InputError(f"{path}: is {what}")
+    if path.suffix in (".yaml", ".yml"):
+        raise InputError(f"{path}: is YAML; a table is a text file (CSV), and --materials takes a material's file")
     if _MARKUP.match(head.removeprefix(b"\xef\xbb\xbf")):
         raise InputError(f"{path}: is a page of HTML or XML; save its table as CSV")
     encoding = _encoding(path, head)

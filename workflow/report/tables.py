@@ -203,13 +203,11 @@ def signal(folder: Path) -> dict[str, Any]:
     """Numbers of a press in time; ``held``: quantities of a contact of its own at the force that is held, (case,)."""
     data = read_whole(folder / "signal.nc")
     numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
-    held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
     cornered = {str(name): values.values for name, values in data.data_vars.items() if CORNERS in values.dims}
     return numbers | {
         "held": {name.removeprefix(HELD): values for name, values in cornered.items()},
         "left_out": tuple(netcdf.members(data, LeftOut)),
         "force": float(data["force"].max()),
-        "output": float(data["output"].values[held][0]),
     }
 
 

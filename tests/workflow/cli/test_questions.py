@@ -78,7 +78,7 @@ POINT = "load=1e4,volume_fraction=0.5"
     [
         (["maximise=voltage", "over=radius", "at=load=1e4"], "design: 'volume_fraction' is missing; p"),
         (["maximise=depth", "over=radius=1:0", "at=load=1e4"], "design: over.radius: low = 1 must"),
-        (["maximise=depth", "over=radius=0.05:9", f"at={POINT}"], "radius = 9 is not within 0.02 to 0.2; factors"),
+        (["maximise=depth", "over=radius=0.05:9", f"at={POINT}"], "radius = 9 is not within 0.02 to 0.2, the range"),
         (["maximise=depth", "over=radius=b", "at=load=1e4"], "--over: radius: 'b' is not a finite"),
         (["maximise=depth", "over=radius", "at=load"], "--at: load: '' is not a finite number"),
         (["maximise=depth", "over=radius,radius"], "--over: radius: given twice"),
@@ -116,7 +116,7 @@ def test_uncertain_factors_choices_and_defaults(ran: Project) -> None:
 
 def test_results_must_be_there_and_of_this_study(ran: Project, tmp_path: Path) -> None:
     with pytest.raises(
-        InputError, match=r"none: there is none; must be results/STUDY, or .*`meecontact run STUDY` makes one"
+        InputError, match=r"none: no such file or folder; must be results/STUDY, or .*`meecontact run STUDY` makes one"
     ):
         questions.results(tmp_path / "none")
     (tmp_path / "config").mkdir()
