@@ -36,7 +36,7 @@ COUNTS = (10, 4, 4, 4, 2)
 
 
 @cache
-def calibrated(family: Functions = functions.outputs, counts: tuple[int, ...] = COUNTS, cases: int = 3000) -> GridGP:
+def calibrated(family: Functions, counts: tuple[int, ...], cases: int) -> GridGP:
     """A grid process of a family, calibrated on so many cases."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(functions, "outputs", family)
@@ -51,7 +51,7 @@ def calibrated(family: Functions = functions.outputs, counts: tuple[int, ...] = 
 def test_every_level_holds_marginally_and_95_percent_everywhere(
     family: Functions, counts: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    model = calibrated(family, counts)
+    model = calibrated(family, counts, 3000)
     monkeypatch.setattr(functions, "outputs", family)
     fresh = functions.scattered(20_000, seed=2)
     table = validate(model, fresh, None)
@@ -72,9 +72,10 @@ def test_every_level_holds_marginally_and_95_percent_everywhere(
 
 def test_calibrated_intervals_are_no_wider_than_they_must_be_and_shown_beside_the_raw_ones() -> None:
     fresh = functions.scattered(3000, seed=2)
-    before = validate(calibrated().uncalibrated(), fresh, None)
+    model = calibrated(functions.outputs, COUNTS, 3000)
+    before = validate(model.uncalibrated(), fresh, None)
     assert "raw_coverage" not in before
-    table = validate(calibrated(), fresh, None)
+    table = validate(model, fresh, None)
     for name in ("coverage", "level_coverage", "worst_decile_coverage", "crps", "pit", "pit_distance", "rmse"):
         np.testing.assert_array_equal(table[f"raw_{name}"], before[name])
         assert not np.array_equal(table[name], before[name])
@@ -87,7 +88,7 @@ def test_calibrated_intervals_are_no_wider_than_they_must_be_and_shown_beside_th
 
 @pytest.mark.parametrize("count", [40, 3000])
 def test_levels_end_where_the_cases_end(count: int) -> None:
-    model = calibrated(cases=count)
+    model = calibrated(functions.outputs, COUNTS, count)
     points = functions.scattered(3, seed=5)[list(model.box)]
     most = min(1 - 2 / (count + 1), 0.999)
     assert bool((model.interval(points, most)["ratio_upper"] > model.interval(points, 0.9)["ratio_upper"]).all())
@@ -194,7 +195,7 @@ def test_bad_cases_are_refused(change: Callable[[xr.Dataset], xr.Dataset], says:
 
 
 def test_intervals_of_derivatives_hold_in_about_their_share() -> None:
-    model = calibrated()
+    model = calibrated(functions.outputs, COUNTS, 3000)
     points = functions.scattered(600, seed=2)[list(model.box)]
     slopes = model.gradient(points, return_std=True)
     input_ = functions.INPUTS[0]
