@@ -189,11 +189,11 @@ def _thermal(composite: Material, phases: tuple[Material, Material], v: float, p
         power = 1 if parallel else -1
         values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
     loads = [_thermal_load(phase, known) for phase, known in zip(phases, (first, second), strict=True)]
-    one, two, whole = (_axial(body) for body in (*phases, composite))
-    if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(one - two) == len(one):
+    matrix, other, whole = (_axial(body) for body in (*phases, composite))
+    if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(matrix - other) == len(matrix):
         # with the change of temperature these strains and fields are uniform in both phases, and so in the composite
-        uniform = np.linalg.solve(one - two, loads[1] - loads[0])
-        load = loads[0] + (one - whole) @ uniform
+        uniform = np.linalg.solve(matrix - other, loads[1] - loads[0])
+        load = loads[0] + (matrix - whole) @ uniform
         across, along = np.linalg.solve(whole[:2, :2], -load[:2])
         values["expansion"] = across
         values["pyroelectric"] = load[2] / _FIELD + composite.e31 * 2 * across + composite.e33 * along
