@@ -69,7 +69,7 @@ FACTORS: dict[str, Factor] = {
     "feedback_capacitance": positive("F", "capacitance between output and input of a charge amplifier", optional=True),
 }
 
-#: The factor that states each composite's composition; the laws are those of ``solver/material/laws.py``.
+#: The factor that states each composite's composition; the laws are those of ``solver/material/composite.py``.
 COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
 #: How a composite that is no mixture is written by the share that its factor is, and the rest.

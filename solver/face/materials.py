@@ -12,8 +12,8 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
 from solver.halfplane.surface import HalfPlane
+from solver.material.composite import compose
 from solver.material.constants import Material, MaterialError, combined
-from solver.material.laws import compose
 from solver.material.library import find
 from solver.names import CHOICES, COMPOSITES, OF_MATERIAL
 from solver.stack.layers import RIGID

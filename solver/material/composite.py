@@ -1,6 +1,6 @@
-"""Effective constants of two-phase composites poled along y (theory section 7)."""
+"""Effective constants of two-phase composites poled along y (theory section 7), and composites by their name."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, column, unmasked
+from solver.material.alloy import aluminium_scandium_nitride
 from solver.material.constants import ANY_SIZE, UNITS, Material, MaterialError
 from solver.material.evidence import Sourced
-from solver.names import THERMAL
+from solver.names import COMPOSITES, THERMAL
 
 _FIELD = 1e9  # V/m: brings couplings and permittivities of ceramics near their stiffnesses
 
@@ -222,3 +223,20 @@ def _thermal_load(material: Material, known: Mapping[str, float]) -> Array | Non
     load = np.asarray(-_axial(material) @ free)
     load[2] += _FIELD * known.get("pyroelectric", 0.0)
     return load
+
+
+#: The two phases of a composite; none of one that is not in ``solver.names.MIXTURES``.
+Phases = Sequence[Material]
+
+_LAWS: dict[str, Callable[[Phases, float | Array], Material]] = {
+    "fibrous": lambda phases, fraction: fibrous(phases[0], phases[1], fraction),
+    "laminate": lambda phases, fraction: laminate(phases[0], phases[1], fraction),
+    "AlScN": lambda _, fraction: aluminium_scandium_nitride(fraction),
+}
+
+
+def compose(composite: str, phases: Phases, fraction: float | Array) -> Material:
+    """The composite of a name."""
+    if composite not in _LAWS:
+        raise MaterialError(f"composite: {composite!r} is not one of {', '.join(COMPOSITES)}")
+    return _LAWS[composite](phases, fraction)

@@ -102,8 +102,7 @@ def test_the_provenance_of_the_run_has_every_file_with_its_hash(ran: Project) ->
     digests = json.loads((results / "provenance.json").read_text(encoding="utf-8"))["results_sha256"]
     assert {"quantities.nc", "design.nc", "surrogate.nc"} <= digests.keys()
     for name, digest in digests.items():
-        (file,) = results.rglob(name)
-        assert digest == hashlib.sha256(file.read_bytes()).hexdigest()
+        assert digest in {hashlib.sha256(file.read_bytes()).hexdigest() for file in results.rglob(name)}
     assert (results / "study.yaml").read_bytes() == (ran.folder / "config/small.yaml").read_bytes()
 
 
