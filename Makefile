@@ -21,7 +21,7 @@ run: .venv/$(if $(shell grep -s '^verification:' "config/$(STUDY).yaml"),dev,run
 check: .venv/dev.stamp  ## linters, types, import contracts and the tests of moments; two minutes on two cores, three and a half where no types are cached
 	@$(MAKE) --no-print-directory --jobs=2 lint tests LAYERS='-m "not slow and not soak"'
 
-test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; eight minutes on two fast cores, thirteen on slow ones
+test: .venv/dev.stamp .venv/referees.stamp  ## linters, types, import contract and every test; six minutes on two cores that do nothing else
 	@$(MAKE) --no-print-directory --jobs=2 lint tests
 
 outside: .venv/dev.stamp .venv/referees.stamp  ## the tests that need Chromium, Node.js, ncdump or ncks
@@ -60,7 +60,7 @@ slurm: .venv/dev.stamp  ## the quickstart through a Slurm on this machine, compa
 cloud: .venv/dev.stamp .venv/cloud.stamp  ## a small study without a shared disk: a bucket, and a folder of its own for every job
 	$(BIN)/python -m pytest -m cloud tests/cloud
 
-referees: .venv/referees.stamp  ## what public referees say of a run's files: CF, Croissant, RO-Crate [STUDY=quickstart]
+referees: .venv/referees.stamp  ## what public referees say of a run's netCDF files [STUDY=quickstart]
 	@.venv/referees/bin/python tests/referees.py "results/$(STUDY)"
 
 lint: .venv/dev.stamp  ## ruff, mypy --strict and the import contract

@@ -188,11 +188,11 @@ def _row(entry: Entry, inputs: list[Input], fresh: xr.Dataset) -> dict[str, Any]
         scores = np.abs(mean - truth) <= REACH * std, crps(truth, mean, std) / over
         coverage, score = entry.judge(model) if entry.judge else (scores[0].mean(axis=0), scores[1].mean(axis=0))
         row |= {"coverage": _by_output(coverage), "crps": _by_output(score)}
-    print(f"  {told(row)}", flush=True)
+    print(f"  {summary(row)}", flush=True)
     return row
 
 
-def told(row: dict[str, Any]) -> str:
+def summary(row: dict[str, Any]) -> str:
     """A row of the comparison as a line: worst output of each measure, times in seconds and microseconds."""
     queries = [("a query's mean", "mean_seconds"), ("with interval", "std_seconds"), ("one alone", "single_seconds")]
     parts = [] if row["fit_seconds"] is None else [f"fit {row['fit_seconds']:.3g} s"]

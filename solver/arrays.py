@@ -24,6 +24,8 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 Record = TypeVar("Record", bound="DataclassInstance")
 
 _LONGEST = 60  # characters of a value that a message quotes
+#: Words that people use for names of factors and their values.
+SYNONYMS = {"ball": "sphere", "indenter": "punch", "substrate": "base", "grounded": "conducting", "vacuum": "insulated"}
 _NEAR = 0.65  # share of common letters: below it lie other words, as mass and base, or PMMA and PDMS
 
 
@@ -43,7 +45,8 @@ def shown(value: object) -> str:
 
 def nearest(name: object, known: Collection[str]) -> str | None:
     """Known name that a misspelt name probably means; None if none is near."""
-    return next(iter(get_close_matches(str(name), known, 1, _NEAR)), None)
+    word = SYNONYMS.get(str(name).casefold())
+    return word if word in known else next(iter(get_close_matches(str(name), known, 1, _NEAR)), None)
 
 
 def dot(first: Array, second: Array) -> Array:

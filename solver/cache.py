@@ -1,7 +1,7 @@
 """Results that the solver keeps between calls: the most recently used ones, together below a bound in bytes.
 
 A table fills itself when it is read, so that its size is not known when it is stored. The sizes of all results are
-therefore summed when another result is stored, and after every call of the solver.
+therefore summed when another result is stored, and after calls of the solver for at most 2 % of the time.
 """
 
 from collections import OrderedDict
@@ -10,6 +10,7 @@ from ctypes import CDLL
 from functools import cache, update_wrapper
 from gc import get_referents
 from threading import RLock
+from time import process_time
 from types import BuiltinFunctionType, FunctionType, MethodType, ModuleType
 from typing import Any, Generic, ParamSpec, TypeVar
 
@@ -22,11 +23,13 @@ _R = TypeVar("_R")
 _NO_DATA = (type, ModuleType, FunctionType, BuiltinFunctionType, MethodType)
 _OBJECT = 100  # bytes of an object that is no array, with its share of dictionaries
 _SMALL = 64  # results of small functions that are stored between two sums
+_APART = 50  # durations of a sum that pass before the next call is followed by one: tables fill more slowly
 
 _lock = RLock()
 _results: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()  # arguments and result, the oldest first
 _unsummed = 0  # small results that were stored since the last sum
 _used = False  # whether a result was read or stored since the last sum: tables fill themselves
+_next = 0.0  # processor time from which on a call is followed by a sum [s]
 
 
 class Cached(Generic[_P, _R]):
@@ -79,14 +82,15 @@ def _count(small: bool) -> None:
 
 
 def trim_after_call() -> None:
-    """Drop what is beyond the bound, if a call of the solver has read or stored any result."""
-    if _used:
+    """Drop what is beyond the bound, if calls of the solver since the last sum have read or stored any result."""
+    if _used and process_time() >= _next:
         trim()
 
 
 def trim() -> float:
     """Drop the least recently used results beyond the bound; bytes of those that stay."""
-    global _unsummed, _used
+    global _unsummed, _used, _next
+    start = process_time()
     with _lock:
         _unsummed, _used = 0, False
         seen: set[int] = set()
@@ -98,6 +102,8 @@ def trim() -> float:
                 dropped = True
             else:
                 total += size
+        end = process_time()
+        _next = end + _APART * (end - start)
     if dropped:
         _return_memory()(0)
     return total

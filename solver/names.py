@@ -69,7 +69,7 @@ FACTORS: dict[str, Factor] = {
     "feedback_capacitance": positive("F", "capacitance between output and input of a charge amplifier", optional=True),
 }
 
-#: The factor that states each composite's composition; the laws are those of ``solver/material/laws.py``.
+#: The factor that states each composite's composition; the laws are those of ``solver/material/composite.py``.
 COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
 #: How a composite that is no mixture is written by the share that its factor is, and the rest.
@@ -352,7 +352,9 @@ SPACE_QUANTITIES: dict[str, Described] = {
     "moment_x": Described("N m", "moment of the pressure about x through the punch's middle"),
     "moment_y": Described("N m", "moment of the pressure about y through the punch's middle"),
     "moment_z": Described("N m", "moment of the friction about the normal through the punch's middle"),
-    "relative_error": Described("1", "largest relative error of depth, charge, voltage, stroke, capacitance and finite peak pressure, from two grids"),
+    "relative_error": Described(
+        "1", "largest relative error of depth, charge, voltage, stroke, capacitance and finite peak pressure"
+    ),
 }  # fmt: skip
 
 #: Maps of a contact in space over (x, y), as :func:`solver.solve_map` gives them.

@@ -4,7 +4,7 @@ The file that `write_blocks` makes is one of `storage.netcdf`: it appears whole 
 as if it had been written at once, and equal data give equal bytes.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import prod
 from os import PathLike
@@ -51,8 +51,8 @@ class RunningStatistics:
     high: float = -np.inf
 
     def add(self, values: NDArray[Any]) -> None:
-        """Take further numbers in, without those that are masked; ValueError if one is not finite."""
-        flat = values.compressed() if isinstance(values, np.ma.MaskedArray) else values.ravel()
+        """Take further numbers in; ValueError if one is not finite."""
+        flat = values.ravel()
         for begin in range(0, flat.size, _PORTION):
             part = flat[begin : begin + _PORTION]
             low, high = float(part.min()), float(part.max())
@@ -83,18 +83,13 @@ class _Stored:
     variable: "netCDF4.Variable[Any]"
     digest: Any
     statistics: RunningStatistics = field(default_factory=RunningStatistics)
-    lacking: int = 0  # values that are masked
 
     def put(self, region: Region, values: NDArray[Any]) -> None:
-        """Write the values of the next region, NaN where they are masked; ValueError if another is not finite."""
-        missing = np.ma.getmask(values)
+        """Write the values of the next region; ValueError if one is not finite."""
         with np.errstate(over="ignore"):  # what is not finite is named below
-            values = np.ascontiguousarray(np.ma.getdata(values), dtype=self.variable.dtype)
-        if missing is not np.ma.nomask:
-            values = np.where(missing, values.dtype.type(np.nan), values)
-            self.lacking += int(np.count_nonzero(missing))
+            values = np.ascontiguousarray(values, dtype=self.variable.dtype)
         try:
-            self.statistics.add(values if missing is np.ma.nomask else np.ma.masked_array(values, missing))
+            self.statistics.add(values)
         except ValueError as error:
             raise ValueError(f"{self.variable.name}: {error}") from None
         self.variable[region] = values
@@ -102,7 +97,7 @@ class _Stored:
 
     def completed(self, attrs: Mapping[Any, Any]) -> str:
         """Write the statistics of all values; the digest of the variable, which has further attributes."""
-        count, size, statistics = self.statistics.count + self.lacking, self.variable.size, self.statistics.attrs
+        count, size, statistics = self.statistics.count, self.variable.size, self.statistics.attrs
         statistics["actual_range"] = np.array(
             statistics["actual_range"], dtype=self.variable.dtype
         )  # CF asks for the same type
@@ -117,13 +112,12 @@ def write_blocks(
     frame: xr.Dataset,
     blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
     chunks: Mapping[str, int],
-    last: Callable[[], xr.Dataset] = xr.Dataset,
 ) -> None:
     """Write a data set to a netCDF-4 file in blocks, with statistics of every variable; it appears whole or not."""
     frame = as_stored(frame.drop_encoding())
     frame.attrs |= standard(frame) | purpose(Path(path))
     with appearing(Path(path), sealed=True) as partial:
-        _write(partial, frame, blocks, chunks, last)
+        _write(partial, frame, blocks, chunks)
 
 
 def _write(
@@ -131,7 +125,6 @@ def _write(
     frame: xr.Dataset,
     blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
     chunks: Mapping[str, int],
-    last: Callable[[], xr.Dataset],
 ) -> None:
     skeleton = frame.drop_vars(list(frame.data_vars))
     skeleton.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encodings(skeleton))
@@ -142,15 +135,9 @@ def _write(
         stored = {str(name): _created(file, str(name), frame[name], chunks) for name in frame.data_vars}
         for region, values in blocks:
             for name, output in stored.items():
-                output.put(region, np.asanyarray(values[name]))
+                output.put(region, np.asarray(values[name]))
         digests = {name: output.completed(frame[name].attrs) for name, output in stored.items()}
-        mask = as_stored(last())
-        digests |= checksum_parts(skeleton) | checksum_parts(mask)
-        if not mask.variables:
-            file.setncattr(CHECKSUM, combined(digests, frame.attrs))
-            return
-    mask.to_netcdf(partial, mode="a", format="NETCDF4", engine="netcdf4", encoding=encodings(mask))
-    with netCDF4.Dataset(partial, "a") as file:
+        digests |= checksum_parts(skeleton)
         file.setncattr(CHECKSUM, combined(digests, frame.attrs))
 
 

@@ -1,7 +1,7 @@
 """Complaints of public referees about a run's files: `python tests/referees.py results/quickstart`; no code of ours.
 
-CF 1.11 of every netCDF file by the IOOS compliance checker; Croissant by mlcroissant; the Workflow Run RO-Crate by
-roc-validator; all values by Debian's nccopy and nco, where they are installed. `make referees` and
+CF 1.11 of every netCDF file by the IOOS compliance checker; all values by Debian's nccopy and nco, where they are
+installed. `make referees` and
 `tests/workflow/test_referees.py` run it, in an environment of its own (requirements/referees.in); it exits with 1 where
 a referee finds a fault.
 """
@@ -13,12 +13,9 @@ import sys
 import warnings
 from collections.abc import Iterator
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
-ROCRATE = "https://w3id.org/ro/crate/1.1/context"
 # which its own check of monotonicity subtracts
 LABELS = "unsupported operand type(s) for -: 'str' and 'str'"
 # it asks these of the same file for every variable, some thousand times
@@ -54,45 +51,6 @@ def conventions(folder: Path) -> Iterator[str]:
         yield from (f"{path}: {text}" for text in said)
 
 
-def croissant(folder: Path) -> Iterator[str]:
-    """Faults of the metadata for programs of machine learning."""
-    import mlcroissant
-
-    try:
-        metadata = mlcroissant.Dataset(folder / "croissant.json").metadata
-    except mlcroissant.ValidationError as error:
-        yield str(error)
-        return
-    yield from (f"{issue}" for issue in metadata.ctx.issues.errors)
-    if {record_set.name for record_set in metadata.record_sets} != {"cases"}:
-        yield "croissant.json: the records are not the cases"
-
-
-def crate(folder: Path) -> Iterator[str]:
-    """Parts that the profile Workflow Run requires and the run's crate lacks."""
-    import requests
-    from rocrate_validator import services
-    from rocrate_validator.utils.http import HttpRequester
-
-    context = files("rocrate").joinpath("data/ro-crate.jsonld").read_bytes()
-
-    def local(_: Any, url: str, **__: Any) -> requests.Response:
-        answer = requests.Response()
-        answer.status_code, answer.url = (200, url) if url == ROCRATE else (404, url)
-        answer.headers["Content-Type"] = "application/ld+json"
-        answer._content = context if url == ROCRATE else b""
-        return answer
-
-    HttpRequester.get = local
-    settings = {
-        "rocrate_uri": str(folder),
-        "profile_identifier": "workflow-run-crate-0.5",
-        "requirement_severity": "REQUIRED",
-    }
-    for issue in services.validate(services.ValidationSettings.parse(settings)).get_issues():
-        yield f"ro-crate-metadata.json: {issue.check.identifier}: {issue.message}"
-
-
 def foreign(folder: Path) -> Iterator[str]:
     """Files that Debian's own programs cannot read."""
     for program in ("nccopy", "ncks"):  # both read every value and write it again
@@ -106,8 +64,7 @@ def foreign(folder: Path) -> Iterator[str]:
                 yield f"{path}: {program}: {done.stderr.strip()}"
 
 
-#: What each looks at: not every study has a surrogate.
-REFEREES = {conventions: "*.nc", croissant: "croissant.json", crate: "ro-crate-metadata.json", foreign: "*.nc"}
+REFEREES = (conventions, foreign)
 
 
 def main(folders: list[str]) -> int:
@@ -115,10 +72,7 @@ def main(folders: list[str]) -> int:
     warnings.simplefilter("ignore")
     faults = 0
     for folder in map(Path, folders):
-        for referee, needed in REFEREES.items():
-            if not next(folder.rglob(needed), None):
-                print(f"{folder}: {referee.__name__}: no {needed}")
-                continue
+        for referee in REFEREES:
             complaints = list(referee(folder))
             print(f"{folder}: {referee.__name__}: {len(complaints) or 'no'} fault{'s' * (len(complaints) != 1)}")
             print("".join(f"  {text}\n" for text in complaints), end="")

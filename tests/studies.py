@@ -18,7 +18,6 @@ from workflow.run.provenance import ROOT
 from workflow.study import partition
 from workflow.study.model import Study, load, thawed
 from workflow.study.reading import InputError, read_yaml
-from workflow.study.refusals import REASON, REFUSAL
 
 NAMES = sorted(path.stem for path in (ROOT / "config").glob("*.yaml"))
 
@@ -68,7 +67,7 @@ def data_set(study: Study, folder: Path) -> list[Path]:
     slabs = [folder / f"fields/slab_{index}.nc" for index in range(partition.count(study))]
     for index, slab in enumerate(slabs):
         dataset.write_slab(study, index, slab)
-    parts = [read_whole(slab, names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in slabs]
+    parts = [read_whole(slab, names=ALL_QUANTITIES) for slab in slabs]
     write_whole(gather(parts), folder / "quantities.nc")
     (folder / dataset.CARD).write_text(json.dumps(datacard.card(study, "some", slabs, [])), encoding="utf-8")
     return slabs

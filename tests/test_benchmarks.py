@@ -8,7 +8,7 @@ import pytest
 
 import benchmarks.__main__ as runner
 from approximation.chebyshev import gauss_points
-from benchmarks import rivals, scattered, surrogates
+from benchmarks import asked, rivals, scattered, surrogates
 from surrogate.gp import scattergp
 
 
@@ -91,6 +91,15 @@ def test_the_circuit_and_the_kink_are_those_of_their_sources() -> None:
     assert scattered.circuit(np.zeros((1, 6)))[0] == pytest.approx(want, rel=1e-14)
     ends = scattered.kinked(np.array([[-1e-3, 0, 0, 0, 0, 0], [1e-3, 0, 0, 0, 0, 0]]))
     assert ends == pytest.approx([1e-3, 1e-3])
+
+
+def test_the_yardstick_of_tables_is_the_same_contact() -> None:
+    fraction, random = np.linspace(0.1, 0.9, 5).repeat(10), np.random.default_rng(0)
+    ours, plain = asked.half_planes(fraction, {name: random.uniform(*ends, 50) for name, ends in asked.BOX.items()})
+    exact, written = ours(), plain()
+    assert set(written) == set(exact.data_vars)
+    for name, values in written.items():
+        np.testing.assert_allclose(np.broadcast_to(values, 50), exact[name], rtol=1e-10, err_msg=name)
 
 
 def test_the_runner_writes_whole_files_and_refuses_unknown_names(

@@ -143,17 +143,18 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
         "material": "PZT-4",
         "profile": "sphere",
         "magnetic": "insulating",
-        "base": "silicon",
+        "base": "steel",
     }
     ball |= {"thickness": 50e-6, "radius": 0.017}
     meeting: Meeting = "point in air, charge amplifier"
     (large, _), (small, _) = (noise_in_kelvin(ball | {"force": f}, "point_sensor", meeting, 1.0) for f in (0.2, 0.02))
     assert f"at 200 mN {1e6 * large:.3g} uK, at 20 mN {1e6 * small:.3g} uK" in LIMITS
-    assert f"by {1e6 * large:.0f} to {1e6 * small:.0f} microkelvin" in described("point_sensor")
+    assert "by some tens of microkelvin" in described("point_sensor")
+    assert 2e-5 < min(small, large) < max(small, large) < 1e-4
     # the mean rise of a disc of even flux on a half-space is 8 Q / (3 pi^2 kappa a)
     solved = solver.solve(ball | {"force": 0.2})
     radius = float(solved["contact_radius"])
-    film = film_coefficient(solver.find("PZT-4"), solver.find("silicon"))
+    film = film_coefficient(solver.find("PZT-4"), solver.find("steel"))
     equal = abs(0.2 * float(solved["charge_per_force"]) / (film * np.pi * radius**2))
     kappa = solver.find("PZT-4").thermal["conductivity"].value
     rise = 8 * (0.3 * 0.2 * 1e-3) / (3 * np.pi**2 * kappa * radius)

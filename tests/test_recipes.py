@@ -26,7 +26,7 @@ RECIPES: dict[str, Steps] = {
                 "    return fibrous(phases[1], phases[0], 1 - fraction)\n"
             )
         },
-        "solver/material/laws.py": {
+        "solver/material/composite.py": {
             "from solver.material.constants": "from solver.material.inverse import inverse\n",
             "_LAWS": '    "inverse": lambda phases, fraction: inverse(phases, fraction),\n',
         },

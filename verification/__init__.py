@@ -6,12 +6,10 @@ Each group gives its findings; pytest asserts them and the page of ``make run ST
 from collections.abc import Callable
 
 from verification import (
-    balance,
     digits,
     film_air,
     film_elements,
     films,
-    finite_elements,
     integral_equations,
     limits,
     points,
@@ -21,9 +19,7 @@ from verification.findings import Findings, Sizes
 #: The groups by name, those of ``workflow.study.model``, in the order of the page.
 GROUPS: dict[str, Callable[[Sizes], Findings]] = {
     "limits": limits.run,
-    "balance": balance.run,
     "integral_equations": integral_equations.run,
-    "finite_elements": finite_elements.run,
     "films": films.run,
     "film_elements": film_elements.run,
     "film_air": film_air.run,

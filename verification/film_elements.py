@@ -11,8 +11,8 @@ import solver
 from verification.cases import Array, Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off
 from verification.oracles import fem_film
-from verification.oracles.fem import FIELDS
 from verification.oracles.fem_film import ELECTRIC, MAGNETIC
+from verification.oracles.spectral import FIELDS
 
 
 class Refined(Protocol):
@@ -54,6 +54,10 @@ PUNCH: Case = {"radius": 0.05, "load": 1e5, "surroundings": "insulated"}
 COMPOSITE: Case = {**PUNCH, "volume_fraction": 0.5, "thickness": 2e-4, "friction": 0.3}
 STACK = solver.Stack([solver.Layer(solver.find("BaTiO3"), 1e-4), solver.Layer(solver.find("CoFe2O4"), 1.5e-4)], "rigid")
 CASES: dict[str, Case] = {
+    "half-plane, as a film on its material": {
+        **PUNCH, "material": "BaTiO3", "thickness": 2e-4, "base": "BaTiO3", "interface_electric": "bonded",
+        "friction": 0.3, "charge": 1e-6, "magnetic": "insulating",
+    },
     "BaTiO3 on a rigid base": {**PUNCH, "material": "BaTiO3", "thickness": 5e-4, "base": "rigid"},
     "composite on a rigid base, charged": {**COMPOSITE, "base": "rigid", "charge": 2e-5, "magnetic_charge": 1e-2},
     "composite on steel": {**COMPOSITE, "base": "steel", "interface_magnetic": "grounded"},

@@ -17,8 +17,7 @@ class Sizes:
     """Amount of work: the page and the tests differ in it."""
 
     cases: int = 12  # Random cases in 50 digits
-    # Finest mesh, in elements under the punch; a sixth and two more is the highest order of elements of films
-    elements: int = 24
+    elements: int = 24  # A sixth and two more is the highest order of the polynomials of finite elements
     timed: int = 4096  # Cases of the closed form that are timed at once; 0: nothing is timed
     seed: int = 1  # Of the random cases
 

@@ -1,10 +1,7 @@
-"""The closed form against a numerical solution of the singular integral equations (2.2): Gauss-Jacobi collocation.
-
-Sliding balls of the first order in friction against a grid that knows every order, in air against collocation.
-"""
+"""The closed form against a numerical solution of the singular integral equations (2.2): Gauss-Jacobi collocation."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from math import comb
@@ -16,136 +13,9 @@ import xarray as xr
 import solver
 from verification.cases import SIH_SONG, Array, Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, Timing, check, off
-from verification.oracles import collocation, profile
+from verification.oracles import collocation
 from verification.oracles.collocated import fields
-from verification.oracles.sliding_gap import SlidingGap
-from verification.oracles.sliding_point import SlidingSphere
 from verification.oracles.surface_response import SurfaceResponse, surface_response
-from verification.oracles.weighted_chebyshev import end_proof_nodes
-
-SLIDING_TOLERANCE = 3e-3  # the grid of 128 x 128: half of it on 256 x 256
-_ANGLES = 24  # nodes of the moments, in the angle whose sine is r/a
-_BEYOND = 1.25  # half the side of the grid's square over the contact radius
-MATERIAL = "BaTiO3"
-BALL: Case = {
-    "material": MATERIAL, "profile": "sphere", "radius": 5e-3, "force": 10.0, "magnetic": "insulating",
-}  # fmt: skip
-FILM: Case = BALL | {"thickness": 6e-5, "base": "rigid", "surroundings": "insulated"}
-AIR_TOLERANCE = 5e-5  # three times the collocation's own
-_AIR_RADIUS, _AIR_FRICTION = 7e-5, 0.3  # of the contact in air [m]
-_AIR_PLACES = 0.05, 0.93, 1.02, 8.0  # r/a at which tractions are compared, below the contact and beside it
-
-
-@dataclass(frozen=True)
-class Difference:
-    """Grid over first order, less 1, for a grounded ball at one depth."""
-
-    # Without friction's first order, which has no part in them
-    force: float
-    charge: float
-    # First moments about the axis of the ball, of the first order
-    force_moment: float
-    charge_moment: float
-
-
-def difference(case: Case, friction: float, cells: int) -> Difference:
-    """Differences for a ball on a half-space or a film, at the depth that its force has at rest.
-
-    Force and charge are over those of the same grid at rest, so that only friction tells them apart.
-    """
-    grounded, a, (slid, still) = _on_grids(case, friction, cells)
-    first = _moments(grounded | {"friction": friction}, a)
-    return Difference(
-        slid["force"] / still["force"] - 1,
-        slid["charge"] / still["charge"] - 1,
-        slid["force_moment"] / first[0] - 1,
-        slid["charge_moment"] / first[1] - 1,
-    )
-
-
-def raised(case: Case, friction: float, cells: int) -> tuple[float, float]:
-    """Relative rise of a grounded ball's largest pressure by friction: on the grid, and in first order."""
-    grounded, _, (slid, still) = _on_grids(case, friction, cells)
-    peaks = solver.solve(grounded | {"friction": np.array([friction, 0.0])})["peak_pressure"].values
-    return slid["peak_pressure"] / still["peak_pressure"] - 1, float(peaks[0] / peaks[1]) - 1
-
-
-def _on_grids(case: Case, friction: float, cells: int) -> tuple[Case, float, tuple[dict[str, float], dict[str, float]]]:
-    """The case without voltage, its contact radius at rest [m], and grids at its depth: sliding and at rest."""
-    grounded = case | {"total_charge": float(solver.solve(case)["charge_per_force"]) * case["force"]}
-    at_rest = solver.solve(grounded)
-    a, depth = float(at_rest["contact_radius"]), float(at_rest["depth"])
-    base = None if case.get("base", "rigid") == "rigid" else constants(solver.find(case["base"]))
-    body = case.get("thickness", np.inf), base
-    material = constants(solver.find(case["material"]))
-    slid, still = (
-        SlidingSphere(material, case["radius"], depth, eta, _BEYOND * a, cells, *body).solved()
-        for eta in (friction, 0.0)
-    )
-    return grounded, a, (slid, still)
-
-
-def _moments(case: Case, a: float) -> tuple[float, float]:
-    """First moments of pressure and charge about the axis of the ball [N m, C m]."""
-    x, w = np.polynomial.legendre.leggauss(_ANGLES)
-    angle, weights = np.pi / 4 * (1 + x), np.pi / 4 * w
-    r = np.sin(angle)
-    solved = solver.solve(case, np.concatenate([r, -r]))
-    offset = float(solved["contact_offset"])
-
-    def moment(name: str, total: float, sign: float) -> float:
-        values = solved[name].values.squeeze()
-        odd = (values[: r.size] - values[r.size :]) / 2
-        return total * offset + sign * np.pi * a**3 * float(np.sum(weights * np.cos(angle) * r**2 * odd))
-
-    charge = float(case["total_charge"])
-    return moment("contact_pressure", case["force"], 1.0), moment("electric_displacement", charge, -1.0)
-
-
-def first_order(case: Case) -> float:
-    """Largest difference of the moments at little friction, where the second order is below the grid's error."""
-    differences = difference(case, 0.05, 128)
-    return max(abs(differences.force_moment), abs(differences.charge_moment))
-
-
-@dataclass(frozen=True)
-class AirDifference:
-    """Solver over collocation, less 1, for the first order of a ball in air."""
-
-    offset: float  # Of the contact
-    # Of cos(angle), largest difference over the largest value, D_y below the contact and beside it
-    charges: float
-    pressures: float
-
-
-def in_air(thickness: float = np.inf, charge: float = 0.0) -> AirDifference:
-    """Differences for a ball on BaTiO3 in air."""
-    material = solver.find(MATERIAL)
-    other = SlidingGap(constants(material), BALL["radius"], _AIR_RADIUS, charge, thickness)
-    case = BALL | {"force": other.force, "total_charge": charge, "friction": _AIR_FRICTION, "surroundings": "air"}
-    case |= {"thickness": thickness, "base": "rigid"} if np.isfinite(thickness) else {}
-    first, last, start, stop = _AIR_PLACES
-    compared = np.flatnonzero(((other.r > first) & (other.r < last)) | ((other.r > start) & (other.r < stop)))[::3]
-    r = other.r[compared]
-    solution = solver.solve(case, np.concatenate([r, -r]))
-
-    def missed(name: str, exact: Array) -> float:
-        values = solution[name].values.ravel()
-        return off(((values[: r.size] - values[r.size :]) / (2 * _AIR_FRICTION))[: exact.size], exact)
-
-    pressures = other.pressures[1]
-    return AirDifference(
-        float(solution["contact_offset"]) / (_AIR_FRICTION * other.offset) - 1,
-        missed("electric_displacement", other.charges[1][compared]),
-        missed("contact_pressure", pressures[compared[compared < pressures.size]]),
-    )
-
-
-def first_order_in_air(thickness: float) -> float:
-    """Largest of these differences."""
-    differences = in_air(thickness)
-    return max(abs(differences.offset), differences.charges, differences.pressures)
-
 
 RADIUS, WIDTH, SLOPE = 0.05, 4e-4, 2e-3
 LOADS = {"load": 1e5, "friction": 0.5, "charge": 1e-6, "magnetic_charge": -2e-3, "datum": 0.2}
@@ -158,25 +28,24 @@ def _polynomial(*slope: float) -> solver.Profile:
 
 
 #: Factors of each punch, and the same punch for the collocation.
-PUNCHES: dict[str, tuple[Case, profile.Profile]] = {
-    "cylinder": ({"radius": RADIUS}, profile.cylinder(RADIUS)),
-    "flat": ({"profile": "flat", "width": WIDTH}, profile.flat(WIDTH)),
-    "tilted flat": ({"profile": "flat", "width": WIDTH, "slope": 1e-4}, profile.flat(WIDTH, 1e-4)),
-    "wedge": ({"profile": "wedge", "slope": SLOPE}, profile.wedge(SLOPE)),
+PUNCHES: dict[str, tuple[Case, collocation.Profile]] = {
+    "cylinder": ({"radius": RADIUS}, collocation.cylinder(RADIUS)),
+    "flat": ({"profile": "flat", "width": WIDTH}, collocation.flat(WIDTH)),
+    "tilted flat": ({"profile": "flat", "width": WIDTH, "slope": 1e-4}, collocation.flat(WIDTH, 1e-4)),
+    "wedge": ({"profile": "wedge", "slope": SLOPE}, collocation.wedge(SLOPE)),
     "wedge, corner trailing": (
-        {"profile": "wedge", "slope": SLOPE, "corner": "trailing"}, profile.wedge(SLOPE, "trailing")
+        {"profile": "wedge", "slope": SLOPE, "corner": "trailing"}, collocation.wedge(SLOPE, "trailing")
     ),
-    "half-cylinder": ({"profile": "half_cylinder", "radius": RADIUS}, profile.half_cylinder(RADIUS)),
+    "half-cylinder": ({"profile": "half_cylinder", "radius": RADIUS}, collocation.half_cylinder(RADIUS)),
     "half-cylinder, corner trailing": (
-        {"profile": "half_cylinder", "radius": RADIUS, "corner": "trailing"}, profile.half_cylinder(RADIUS, "trailing")
+        {"profile": "half_cylinder", "radius": RADIUS, "corner": "trailing"},
+        collocation.half_cylinder(RADIUS, "trailing"),
     ),
     "polynomial": (
         {"profile": _polynomial(0.0, 20.0, 4e4, 1e9)},
-        profile.Profile(lambda x: 20 * x + 4e4 * x**2 + 1e9 * x**3),
+        collocation.Profile(lambda x: 20 * x + 4e4 * x**2 + 1e9 * x**3),
     ),
 }  # fmt: skip
-#: Thicknesses of the bodies under sliding balls with air beside them [m].
-AIRY = {"half-space": np.inf, "film": 1e-4}
 CONDUCTED = {(1, 2): "both", (1,): "electric", (2,): "magnetic", (): "neither"}
 X = np.array([-6.0, -1.01, *np.cos(np.pi * (np.arange(40) + 0.5) / 40), 1.01, 2.5])
 _TERMS = (3, 4, 6, 8)
@@ -210,15 +79,6 @@ def run(sizes: Sizes) -> Findings:
         f"half-width and pressure of the whole circle, and the closed form of its Taylor polynomial of degree {_TAYLOR}"
     )
     checks.append(check("Circle, 16 terms", compared, TOLERANCE, whole_circle))
-    moments = "first moments of pressure and charge at eta = 0.05; a grid of 128 x 128 with an active set"
-    bodies = {"half-space": BALL, "film": FILM}
-    checks += [
-        check(f"Sliding ball, {body}", moments, SLIDING_TOLERANCE, first_order, case) for body, case in bodies.items()
-    ]
-    turned = "offset, pressures and charges of cos(angle), below the contact and in the gap; collocation in r"
-    checks += [
-        check(f"Sliding ball in air, {body}", turned, AIR_TOLERANCE, first_order_in_air, h) for body, h in AIRY.items()
-    ]
     words = "circle pressed in to 0.4 of its radius"
     curves.append(Curve("collocation_circle", words, "terms", _CIRCLE_TERMS, circle))
     return Findings(
@@ -281,7 +141,7 @@ def _moment(surface: SurfaceResponse) -> float:
     """Relative error of the depth of a flat punch whose moment replaces its slope."""
     case = _case("tilted flat", (1, 2))
     numerical = collocation.solve(_problem("tilted flat", case, 8, surface))
-    right, left, weight = end_proof_nodes()
+    right, left, weight = collocation.end_proof_nodes()
     pressure = -numerical._tractions(right, left)[0]
     moment = numerical.half_width**2 * float(np.sum(weight * pressure * (left - right) / 2))
     tilted = {name: value for name, value in case.items() if name != "slope"} | {"moment": moment}
@@ -295,7 +155,7 @@ def _circle(surface: SurfaceResponse) -> list[float]:
     for k in range((_TAYLOR + 1) // 2):
         slope[2 * k + 1] = comb(2 * k, k) / 4**k / RADIUS ** (2 * k + 1)
     case = _case("cylinder", (1, 2)) | {"load": _CIRCLE_LOAD, "charge": 0.0, "magnetic_charge": 0.0}
-    problem = replace(_problem("cylinder", case, 8, surface), profile=profile.circle(RADIUS))
+    problem = replace(_problem("cylinder", case, 8, surface), profile=collocation.circle(RADIUS))
     del case["radius"]
     inside = X[np.abs(X) < 0.95]
     exact = solver.solve(case | {"profile": _polynomial(*slope)}, inside)

@@ -1,4 +1,4 @@
-"""Point contacts: textbook limits, 50 digits, films by two integral equations and by finite elements, reciprocity."""
+"""Point contacts: textbook limits, 50 digits, finite elements, reciprocity, and sliding balls by nested punches."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -12,6 +12,8 @@ from verification.findings import Curve, Findings, Sizes, check, off, off_each
 from verification.oracles import point
 from verification.oracles.fem_film import Layer
 from verification.oracles.fem_point import PointContact
+from verification.oracles.sample_materials import hexagonal
+from verification.oracles.surface import Press, body
 
 _MODULUS, _POISSON = 210e9, 0.3
 _PLANE = _MODULUS / (1 - _POISSON**2)
@@ -28,6 +30,14 @@ _HAYES = {0.2: 1.20656, 0.4: 1.47261, 1.0: 2.48352, 2.0: 4.35324}
 _INSULATED = {"surroundings": "insulated"}
 _FILM: Case = {"material": "PZT-4", "thickness": 1e-4, "magnetic": "insulating", "force": 10.0} | _BALL | _INSULATED
 _BASES = {"rigid": "a rigid base", "silicon": "silicon"}
+#: Thickness of the film on a rigid base [m], infinite for a half-space, and reach of the air's charge over the radius.
+SLIDING = {
+    "half-space": (np.inf, 1.0),
+    "half-space in air": (np.inf, 20.0),
+    "film": (1e-4, 1.0),
+    "film in air": (1e-4, 4.0),
+}
+_SLOW = 0.05  # friction: the second order is below 3e-5
 _TENSE = ("stress_xx", "stress_yy", "stress_zz")
 
 
@@ -47,6 +57,8 @@ def run(sizes: Sizes) -> Findings:
         check("Charge per force of half-spaces", "-r_1 of every profile and force, and stroke per volt", 1e-12, _alike),
         check("Reciprocity, discs on films", "charge per force and stroke per volt", 1e-12, _fixed_edge),
         check("Tangents, film", "stroke per volt and stiffness against differences of solutions", 1e-7, _tangents),
+        *(check(f"Sliding ball, {name}", "offset, and odd part of pressure and of D_y; nested punches", 1e-3, sliding,
+                *contact) for name, contact in SLIDING.items()),
     ]  # fmt: skip
     curves = []
     for base, words in _BASES.items():
@@ -194,6 +206,29 @@ def _tangents() -> float:
     pressed = solver.solve(case | {"total_charge": charge, "force": case["force"] * (1 + steps)})
     open_ = case["force"] * 1e-3 / np.sum(weights * pressed["depth"].values)
     return off_each([solution["stroke_per_volt"], solution["contact_stiffness_open"]], [stroke, open_])
+
+
+def sliding(thickness: float, reach: float) -> float:
+    """Largest relative error of offset and odd tractions of a ball on BaTiO3 against a contact of every order."""
+    radius, force, material = _BALL["radius"], 10.0, solver.find("BaTiO3")
+    surface = body(hexagonal(constants(material)), _SLOW, thickness)
+    state = Press(surface, (1 / radius, 1 / radius), force, reach, radius, harmonics=2).contact()
+    case = {"material": material, "magnetic": "insulating", "force": force, "friction": _SLOW} | _BALL
+    case |= {"total_charge": state.charge, "surroundings": "air" if reach > 1 else "insulated"}
+    case |= {"thickness": thickness, "base": "rigid"} if np.isfinite(thickness) else {}
+    r, pressure, charge = state.odd_tractions
+    compared = ((r > 0.05) & (r < 0.93)) | ((r > 1.02) & (reach > 1))
+    inside = compared & (r < 1)
+    solved = solver.solve(case, np.concatenate([r[compared], -r[compared]]))
+    trailing, leading = np.split(solved["electric_displacement"].values.ravel(), 2)
+    charged = off((trailing - leading) / 2, -charge[compared])  # the oracle slides the other way
+    solved = solver.solve(case, np.concatenate([r[inside], -r[inside]]))
+    trailing, leading = np.split(solved["contact_pressure"].values.ravel(), 2)
+    return max(
+        off(float(solved["contact_offset"]), -state.centre[0]),
+        off((trailing - leading) / 2, -pressure[inside]),
+        charged,
+    )
 
 
 def elements(base: str, order: int) -> float:

@@ -6,9 +6,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.face.halfspace import OnHalfSpace
-from solver.face.point import SURFACE, OnPoints
-from solver.face.pointfilm import OnPointFilm, with_nominal_field
+from solver.face.point import SURFACE, OnHalfSpace, OnPointFilm, OnPoints, with_nominal_field
 from solver.face.refusal import CaseError
 from solver.fields import POINT_NEED_C12
 from solver.gap.pointquantities import fields, inside, peaks, quantities

@@ -28,7 +28,8 @@ from solver.names import CHOICES, FACTORS, OF_MATERIAL, PROFILES
 from solver.stack.layers import Stack
 from solver.threads import one_thread
 
-_BLOCK = 8192  # rows of a table that are solved at a time: some 1 kB of temporaries each
+_BLOCK = 32768  # rows of a table that are solved at a time: some 1 kB of temporaries each
+_DISTINCT = 4096  # materials of a table whose tensors are stored: 2 kB each
 _VALUES = 2**17  # of a field or a search at a time: some hundred temporaries of 8 bytes each inside the body
 _OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
 
@@ -42,6 +43,9 @@ class Cases:
     arrays: Mapping[str, xr.DataArray]
     materials: Mapping[str, Material]
     phases: Sequence[str | Material]
+    # Of a block of a table: a case of each distinct material and speed, and the one of each row unless all share one
+    distinct: Self | None = None
+    case_index: Indices | None = None
 
     @cached_property
     def sizes(self) -> dict[str, int]:
@@ -149,7 +153,8 @@ class Cases:
         extra = {name: axis.size for name, axis in (axes or {}).items()}
         outputs = {}
         for name, value in values.items():
-            if not np.all(np.isfinite(value) | (np.isnan(value) & (described[name].sparse | hollow))):
+            finite = np.isfinite(value)
+            if not finite.all() and not np.all(finite | (np.isnan(value) & (described[name].sparse | hollow))):
                 raise CaseError(f"{name}: not finite for these {origin}")
             whole = np.broadcast_to(value, (*self.sizes.values(), *extra.values()))
             outputs[name] = xr.Variable((*self.sizes, *extra), whole, of_output(described[name], self.arrays, kinds))
@@ -166,7 +171,7 @@ class Cases:
         if len(self.sizes) != 1 or self.kind.tabled:
             return list(solved(self))
         whole: list[dict[str, Array]] | None = None
-        for done, rows, block in self._blocks(min(_BLOCK, max(1, _VALUES // values))):
+        for done, rows, block in self._blocks(min(_BLOCK, max(1, _VALUES // values)), sort=values > 1):
             parts = solved(block)
             if whole is None:
                 whole = [dict[str, Array]() for _ in shapes]
@@ -195,12 +200,16 @@ class Cases:
             whole[name] = filled
         whole[name][rows] = values
 
-    def _blocks(self, most: int) -> Iterator[tuple[Rows, Rows, Self]]:
-        """Rows before a block, those of the block, and the block; rows of one material follow each other."""
+    def _blocks(self, most: int, sort: bool) -> Iterator[tuple[Rows, Rows, Self]]:
+        """Rows before a block, those of the block, and the block; sorted rows of one material follow each other."""
         ((dim, count),) = self.sizes.items()
         columns = {name: array.values for name, array in self.arrays.items()}
         keys = [columns[name] for name in (*OF_MATERIAL, "speed") if name in columns and columns[name].ndim]
         numbers = [key if key.dtype.kind == "f" else _factorized(key)[0] for key in keys]
+        first, which = _distinct(numbers)
+        shared = None
+        if first.size <= _DISTINCT and not sort:
+            numbers, shared = [], replace(self, arrays={k: _column(v, first, dim) for k, v in columns.items()})
         order = np.lexsort(numbers) if numbers else None
         begin, end = 0, most
         while begin < count:
@@ -209,7 +218,8 @@ class Cases:
                 end = begin + alike if alike > most // 8 else end  # enough for a block of one material
             done, rows = (slice(begin), slice(begin, end)) if order is None else (order[:begin], order[begin:end])
             arrays = {name: _column(values, rows, dim) for name, values in columns.items()}
-            yield done, rows, replace(self, arrays=arrays)
+            case_index = None if first.size == 1 else which[rows]
+            yield done, rows, replace(self, arrays=arrays, distinct=shared, case_index=case_index)
             begin, end = end, end + most
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
@@ -240,7 +250,8 @@ class Cases:
     def selected(self, dim: str, places: NDArray[np.intp]) -> Self:
         """Cases at some places of a dimension."""
         arrays = self.arrays.items()
-        return replace(self, arrays={k: a.isel({dim: places}) if dim in a.dims else a for k, a in arrays})
+        part = {k: a.isel({dim: places}) if dim in a.dims else a for k, a in arrays}
+        return replace(self, arrays=part, distinct=None, case_index=None)
 
 
 def _factorized(labels: NDArray[Any]) -> tuple[NDArray[Any], Sequence[Any]]:
@@ -250,6 +261,17 @@ def _factorized(labels: NDArray[Any]) -> tuple[NDArray[Any], Sequence[Any]]:
     except TypeError:  # no label, and refused when the material is looked up
         codes, distinct = np.arange(labels.size), list(labels.flat)
     return codes.astype(np.int16) if len(distinct) < 2**15 else codes, distinct
+
+
+def _distinct(numbers: Sequence[NDArray[Any]]) -> tuple[Indices, Indices]:
+    """First row of each distinct combination of numbers, and the combination of every row."""
+    if not numbers:
+        return np.zeros(1, dtype=np.intp), np.zeros(0, dtype=np.intp)
+    codes = pd.factorize(numbers[0], use_na_sentinel=False)[0]
+    for number in numbers[1:]:
+        known, values = pd.factorize(number, use_na_sentinel=False)
+        codes = pd.factorize(codes * len(values) + known)[0]
+    return np.flatnonzero(np.diff(np.maximum.accumulate(codes), prepend=-1)), codes  # numbered as they first occur
 
 
 def _alike(values: NDArray[Any]) -> int:

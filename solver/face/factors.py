@@ -1,6 +1,7 @@
 """Named factors of the cases, checked: every name known, every value allowed, dimensions that fit."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from types import MappingProxyType
 from typing import cast
 
@@ -72,8 +73,8 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
             if isinstance(factors, xr.Dataset) and name in factors.dims:
                 continue  # an index of cases, not a factor
             near = nearest(name, known)
-            hint = f"did you mean {near!r}? " if near else ""
-            raise FactorError(f"{name}: unknown factor; {hint}known are {', '.join(known)}")
+            hint = f"did you mean {near!r}?" if near else f"known are {', '.join(known)}"
+            raise FactorError(f"{name}: unknown factor; {hint}")
         array = _array(str(name), value)
         if name in MATERIALS:
             array = _with_cuts(array, materials)
@@ -179,14 +180,19 @@ def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
 def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], profiles: str) -> None:
     """Check that line and point contacts have their own force and charges, and no others."""
     for contact, loads in CONTACTS.items():
-        if contact in contacts and loads.force not in arrays:
+        other = any(others.force in arrays for kind, others in CONTACTS.items() if kind not in contacts)
+        if contact in contacts and loads.force not in arrays and not other:
             raise FactorError(f"{loads.force}: missing; must be {FACTORS[loads.force].allowed}")
         if contact in contacts:
             continue
         rights = CONTACTS[next(iter(contacts))]
         for name, right in zip((loads.force, *loads.charges), (rights.force, *rights.charges), strict=True):
             if name in arrays and np.any(arrays[name].values):  # no charge is none of either kind
-                raise FactorError(f"{name}: the profile {profiles} has none; give {right} [{FACTORS[right].units}]")
+                example = next(profile for profile, outline in PROFILES.items() if outline.contact == contact)
+                raise FactorError(
+                    f"{name}: the profile {profiles} has none; give {right} [{FACTORS[right].units}], or a profile "
+                    f"such as {example}"
+                )
     if "line" not in contacts:
         for name in OF_A_LINE:
             if name in arrays:
@@ -234,14 +240,21 @@ def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
         try:
             values[place] = in_si(str(entry), factor.units) if isinstance(entry, str) else entry
         except ValueError as error:
-            wrong = (
-                str(error)
-                if "mismatch" in str(error)
-                else f"{shown(entry)} is not {factor.allowed}, bare or with its unit"
-            )
+            wrong = f"{shown(entry)} is not {factor.allowed}, bare or with its unit"
+            if "mismatch" in str(error):
+                wrong = str(error)
+            elif _is_number(str(entry)):
+                wrong = f"{shown(entry)} is a text without a unit; give the number, or its unit [{factor.units}]"
             raise FactorError(f"{name}: {wrong}") from None
     numbers = all(is_finite(value) for value in values.flat)
     return array.copy(data=values.astype(np.float64) if numbers else values)
+
+
+def _is_number(text: str) -> bool:
+    """Return whether a text is a number without a unit."""
+    with suppress(ValueError):
+        return bool(np.isfinite(float(text)))
+    return False
 
 
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:
@@ -276,4 +289,6 @@ def _choice(name: str, array: xr.DataArray, allowed: tuple[str | None, ...]) -> 
     values = array.values
     for value in np.unique(values) if values.dtype.kind == "U" else values.flat:
         if not (None in allowed and absent(value)) and not (isinstance(value, str) and value in allowed):
-            raise FactorError(f"{name}: {shown(value)} is not one of {', '.join(filter(None, allowed))}")
+            known = [*filter(None, allowed)]
+            hint = f"; did you mean {near!r}?" if (near := nearest(value, known)) else ""
+            raise FactorError(f"{name}: {shown(value)} is not one of {', '.join(known)}{hint}")

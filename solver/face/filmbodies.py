@@ -11,8 +11,8 @@ from solver.face.filmfactors import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
 from solver.line.windows import Coat, Constants, constants_of
+from solver.material.composite import compose
 from solver.material.constants import UNITS, Material
-from solver.material.laws import compose
 from solver.names import BODY, CHOICES, MIXTURES
 from solver.stack.layers import Stack
 

@@ -13,8 +13,8 @@ from solver.body import around
 from solver.face.filmfactors import absent, bare
 from solver.heat.charge import HeatedStack, HeatError, constant, film_gap
 from solver.heat.touch import Patch, Shape, Spot, Warmed
+from solver.material.composite import compose
 from solver.material.constants import Material
-from solver.material.laws import compose
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH, punches
 from solver.names import (

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,14 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import absent
 from solver.face.refusal import FactorError
 from solver.halfplane.surface import HalfPlane
+from solver.material.composite import compose
 from solver.material.constants import Material, MaterialError, combined
-from solver.material.laws import compose
 from solver.material.library import find
 from solver.names import CHOICES, COMPOSITES, OF_MATERIAL
 from solver.stack.layers import RIGID
+
+#: Half-planes of the distinct materials of the tables that are solved now.
+_DISTINCT: WeakKeyDictionary[Cases, HalfPlane] = WeakKeyDictionary()
 
 
 def material_of(cases: Cases) -> Material:
@@ -35,6 +39,11 @@ def material_of(cases: Cases) -> Material:
 
 def half_plane_of(cases: Cases) -> HalfPlane:
     """The half-plane of cases; neighbours in a table that have one material and speed share its tensors."""
+    if cases.distinct is not None:
+        if cases.distinct not in _DISTINCT:
+            _DISTINCT[cases.distinct] = half_plane_of(cases.distinct)
+        whole = _DISTINCT[cases.distinct]
+        return whole if cases.case_index is None else whole.repeated(cases.case_index)
     names = [name for name in (*OF_MATERIAL, "speed") if name in cases.values and cases.values[name].size > 1]
     if len(cases.sizes) == 1 and names:
         ((dim, count),) = cases.sizes.items()

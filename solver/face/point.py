@@ -2,25 +2,40 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Collection, Sequence, Set
+from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, column, distinct_rows
 from solver.face.body import Body
 from solver.face.cases import Cases
+from solver.face.electrodes import electroded, reading_of
+from solver.face.filmbodies import Bodies, films_of, refuse_charge
+from solver.face.materials import half_plane_of
+from solver.face.punches import punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.fields import POINT_NEED_C12, POINT_SINGULAR
 from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
-from solver.point.contact import Pressed
-from solver.point.friction import Rim
-from solver.point.inside import Inside
+from solver.halfplane.surface import HalfPlane
+from solver.line.windows import Kind, material_from
+from solver.material.constants import UNITS
+from solver.point.body import Film, HalfSpace
+from solver.point.contact import Friction, Pressed
+from solver.point.electrodes import electrode_quantities
+from solver.point.friction import Rim, contact_coupling
+from solver.point.inside import Inside, whole
 from solver.point.peaks import peaks
 from solver.point.profile import DISC, Shape
 from solver.point.quantities import quantities, sliding_quantities
 from solver.point.sliding import Rubbed, warn_of_order
+from solver.point.state import conducted
 from solver.point.surface import surface_fields
+from solver.point.table import PointKind
+from solver.stack.electroded import surface
+from solver.stack.layers import Stack
 
 #: Surface fields of sliding contacts by the fields inside that equal them at the surface.
 SURFACE = {
@@ -161,3 +176,174 @@ class OnPoints(Body):
     def _loads(self, places: Indices) -> tuple[Array, Array]:
         """Forces P (case,) and charges T, J (case, 2)."""
         return self._flat(self.cases.force)[places], self._flat(self.cases.charges, 2)[places]
+
+
+class OnHalfSpace(OnPoints):
+    """Points on half-spaces.
+
+    Warns
+    -----
+    PrecisionWarning
+        Rounding costs digits.
+    """
+
+    def _pressed(self) -> list[tuple[Indices, Pressed]]:
+        warn_of_rounding(self._half.distinct)
+        return [
+            (places, self._of(places, shape, coefficient))
+            for places, shape, coefficient in self._by_exponent(self._every)
+        ]
+
+    def _apart(self) -> list[tuple[Indices, Pressed]]:
+        _, which = distinct_rows(np.stack(self._constants, -1))
+        return [
+            (places[same_body], self._of(places[same_body], shape, coefficient[same_body]))
+            for places, shape, coefficient in self._by_exponent(self._every)
+            for number in np.unique(which[places])
+            if (same_body := np.flatnonzero(which[places] == number)).size
+        ]
+
+    @property
+    def _every(self) -> Indices:
+        return np.arange(int(np.prod(self.shape)))
+
+    @cached_property
+    def _half(self) -> HalfPlane:
+        return half_plane_of(self.cases)
+
+    @cached_property
+    def _constants(self) -> list[Array]:
+        """Constants of the materials, infinite where unknown; (case,) each."""
+        return [self._flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
+
+    @cached_property
+    def _compliances(self) -> tuple[Array, Array, Array]:
+        """N and k of the contacts in their units, and these; (case, 3, 3), (case, 3) and (case, 4)."""
+        half, punch, conducts = self._half, punch_of(self.cases), self.cases.conducts
+        units = half.scale[..., 1:]
+        N = half.compliance + column(punch.compliance) * np.diag([1.0, 0.0, 0.0])
+        N = conducted(N / (units[..., :, None] * units[..., None, :]), conducts)
+        k = contact_coupling(
+            half.friction_coupling / (half.scale[..., :1] * units), half.scale, punch.coupling, conducts
+        )
+        return self._flat(N, 3, 3), self._flat(k, 3), self._flat(half.scale, 4)
+
+    def _of(self, places: Indices, shape: Shape, coefficient: Array) -> Pressed:
+        """Some cases of one exponent."""
+        N, k, units = self._compliances
+        conducts = self._flat(self.cases.conducts, 2)
+        friction = Friction(self._friction[places], k[places]) if "friction" in self.cases.values else None
+        return Pressed(
+            HalfSpace(N[places], shape),
+            units[places],
+            coefficient,
+            *self._loads(places),
+            conducts[places],
+            friction=friction,
+        )
+
+    @property
+    def _lacks_c12(self) -> str | None:
+        material = self._half.material
+        return material.name if np.any(np.isnan(material.c12)) else None
+
+    @cached_property
+    def _rims(self) -> Rim:
+        rim = Rim.of(self._half)
+        stiffness, shear, *compliances = map(self._flat, (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
+        return Rim(self._flat(rim.coupling, 3), stiffness, shear, self._flat(rim.share, 3), *compliances)
+
+    def _rim(self, places: Indices) -> Rim | None:
+        if self._lacks_c12 is not None:
+            return None
+        return self._rims.part(places)
+
+    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+        constants = [float(values[places[0]]) for values in self._constants]
+        dielectric = 0.0  # the last of the constants: a half-space of metal, too, is one
+        return whole(
+            material_from((*(None if np.isinf(value) else value for value in constants), dielectric), "half-space")
+        )
+
+
+class OnPointFilm(OnPoints):
+    """Points on films; all cases of one film and conduction share the same tables."""
+
+    def quantities(self) -> dict[str, Array]:
+        """Quantities of a half-space, and the nominal field."""
+
+        def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
+            body, reading, collected = pressed.body, pressed.reading, dict[str, Array]()
+            # first: a patch too far is refused before sliding is solved
+            if isinstance(body, Film) and reading is not None:
+                collected = electrode_quantities(pressed.charged, body, reading)
+            return with_nominal_field(self._quantities(pressed, places), pressed) | collected
+
+        return self._of_parts(solved)
+
+    def _pressed(self) -> list[tuple[Indices, Pressed]]:
+        bodies, conducts, elastic = self._bodies, self.cases.conducts, punch_of(self.cases)
+        punches = conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling, electroded(self.cases)
+        columns = [self._flat(column) for column in (*bodies.columns, *punches)]
+        kinds, which = distinct_rows(np.stack(columns, -1))
+        thickness, reading, pressed = self._flat(bodies.thickness), reading_of(self.cases), []
+        for number, (*row, electric, magnetic, punch, coupling, covered) in enumerate(kinds.tolist()):
+            film = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1, electroded=bool(covered))
+            if metal := film.electroded or film.stack().conductors[0]:
+                refuse_charge(self.cases)
+            held = bool(electric) and not metal, bool(magnetic)
+            for alike, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
+                kind = PointKind(film, held, shape, punch)
+                body = Film(kind, thickness[alike])
+                part_of_reading = None if reading is None else reading.part(alike)
+                friction = self._rubbing(kind, alike, coupling)
+                loads = self._loads(alike)
+                pressed.append(
+                    (alike, Pressed(body, kind.scale, coefficient, *loads, np.array(held), part_of_reading, friction))
+                )
+        return pressed
+
+    def _rubbing(self, kind: PointKind, places: Indices, punch: float) -> Friction | None:
+        """Friction of some cases; None where no factor gives it."""
+        if "friction" not in self.cases.values:
+            return None
+        stack = kind.film.stack()
+        k = -surface(stack)[0, 1:]
+        coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
+        return Friction(self._friction[places], np.broadcast_to(coupling, (places.size, 3)), punch)
+
+    @cached_property
+    def _bodies(self) -> Bodies:
+        return films_of(self.cases)
+
+    @property
+    def _lacks_c12(self) -> str | None:
+        return self._bodies.lacks_c12
+
+    def _rim(self, places: Indices) -> Rim | None:
+        """Rim of the top of cases of one body; None below an electrode or without c12."""
+        stack = next(_stack(pressed) for part, pressed in self._parts if part is places)
+        is_known = self._lacks_c12 is None and not stack.electroded
+        return Rim.of(stack.media[0].halfplane) if is_known else None
+
+    def _within(self, places: Indices, pressed: Pressed) -> Inside:
+        self._refuse_electroded("fields")
+        return self._inside(places, pressed)
+
+    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+        return Inside(_stack(pressed))
+
+
+def _stack(pressed: Pressed) -> Stack:
+    """Stack of contacts on a film."""
+    if not isinstance(pressed.body, Film):
+        raise TypeError("a half-space is no stack")
+    return pressed.body.kind.film.stack()
+
+
+def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
+    """Quantities of a body, with the nominal field where it is a film."""
+    body = pressed.body
+    if isinstance(body, Film) and "voltage" in out:
+        out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)
+    return out

@@ -69,13 +69,17 @@ def solved_by_kind(parts: Sequence[tuple[Indices, dict[str, Any]]], solve: Calla
             said = str(error)
             row = next(array[CASE].values[0] for array in factors.values() if CASE in getattr(array, "dims", ()))
             raise FactorError(said if "(row " in said else f"{said} (row {row})") from None
-    rows = [places for places, _ in parts]
+    return joined([places for places, _ in parts], answers)
+
+
+def joined(rows: Sequence[Indices], answers: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Answers to some rows each, put in the order of all rows; a row is NaN where its answer lacks an output."""
     order = np.argsort(np.concatenate(rows))
     whole: dict[str, xr.Variable] = {}
     for name in dict.fromkeys(str(name) for answer in answers for name in answer.variables):
         having = [answer[name].variable for answer in answers if name in answer.variables]
         first = having[0]
-        if CASE not in first.dims and len(having) == len(parts) and all(map(first.equals, having)):
+        if CASE not in first.dims and len(having) == len(answers) and all(map(first.equals, having)):
             whole[name] = first
             continue
         dims = (CASE, *(dim for dim in first.dims if dim != CASE))
@@ -83,7 +87,7 @@ def solved_by_kind(parts: Sequence[tuple[Indices, dict[str, Any]]], solve: Calla
             _filled(answer.variables.get(name), first, dims, len(places))
             for answer, places in zip(answers, rows, strict=True)
         ]
-        attrs = first.attrs | ({} if len(having) == len(parts) else {"comment": _EMPTY})
+        attrs = first.attrs | ({} if len(having) == len(answers) else {"comment": _EMPTY})
         whole[name] = xr.Variable(dims, np.concatenate(filled)[order], attrs)
     coords = {str(name) for answer in answers for name in answer.coords}
     return xr.Dataset(

@@ -88,7 +88,7 @@ def sentence(strains: Iterable[Excess], cases: int) -> str:
     """Every kind of excess with its worst case and number of cases, in one line; empty if there is none."""
     joined: dict[str, Excess] = {}
     for excess in strains:
-        worse = max(joined.get(excess.words, excess), excess, key=lambda each: each.share)
+        worse = max(joined.get(excess.words, excess), excess, key=lambda candidate: candidate.share)
         count = excess.count + (joined[excess.words].count if excess.words in joined else 0)
         joined[excess.words] = replace(worse, count=count)
     parts = [

@@ -1,5 +1,6 @@
-"""A solved case as a table for people: engineering units, without the fields that its body does not have."""
+"""Solved cases as a table for people: engineering units, without the fields that their bodies do not have."""
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -9,27 +10,25 @@ from solver.units import prefixed
 
 _BY_ITSELF = ("capacitance", "permeance")  # every body has them, whether or not it couples a field to its deformation
 
+_ROUNDING = 1e-6  # of the smallest prefix: a moment that vanishes but for rounding
 
-def table(case: xr.Dataset) -> pd.DataFrame:
-    """Quantities of one solved case, each with a decimal prefix and its unit.
+
+def table(answer: xr.Dataset) -> pd.DataFrame:
+    """Quantities of solved cases, each with a decimal prefix and its unit.
 
     A body that couples no electric or no magnetic field to its deformation, under a punch without a charge of that
     field, has no quantities of it here; in the dataset they are 0.
 
     Parameters
     ----------
-    case
-        Answer of :func:`solve` to one case.
+    answer
+        Answer of :func:`solve`.
 
     Returns
     -------
     pandas.DataFrame
-        Columns ``value`` and ``unit``, a row a quantity, NaN where the case has none.
-
-    Raises
-    ------
-    ValueError
-        Several cases.
+        Of one case the columns ``value`` and ``unit``, a row a quantity. Of several a row a case, a column a quantity
+        such as ``voltage [V]``, beside the factors in SI. NaN where a case lacks a quantity.
 
     Examples
     --------
@@ -41,17 +40,21 @@ def table(case: xr.Dataset) -> pd.DataFrame:
     depth          208.51   nm
     voltage       -156.88    V
     """
-    units = {name: quantity.units for name, quantity in ALL_QUANTITIES.items() if name in case}
-    if any(case[name].size != 1 for name in units):
-        raise ValueError(f"table: several cases, over {', '.join(map(str, case.dims))}; choose one, as case.isel(...)")
-    values = {name: float(case[name].values.item()) for name in units}
+    units = {name: quantity.units for name, quantity in ALL_QUANTITIES.items() if name in answer}
+    sizes = {name: float(np.nanmax(np.abs(answer[name].values), initial=0.0)) for name in units}
     coupled: set[Field] = set()
-    for name, value in values.items():
-        if value and not any(word in name for word in _BY_ITSELF):
+    for name, size in sizes.items():
+        if size and not any(word in name for word in _BY_ITSELF):
             coupled |= fields_of(units[name])
-    rows = {}
-    for name, value in values.items():
-        if fields_of(units[name]) <= coupled:
-            scale, unit = prefixed(abs(value), units[name])
-            rows[name] = (value / scale, unit)
-    return pd.DataFrame.from_dict(rows, orient="index", columns=["value", "unit"])
+    scales = {name: prefixed(size, units[name]) for name, size in sizes.items() if fields_of(units[name]) <= coupled}
+    quantities = answer[list(scales)]
+    if all(quantities[name].size == 1 for name in scales):
+        values = {name: float(quantities[name].values.item()) / scale for name, (scale, _) in scales.items()}
+        rows = {
+            name: (values[name] if abs(values[name]) > _ROUNDING else 0.0, unit) for name, (_, unit) in scales.items()
+        }
+        return pd.DataFrame.from_dict(rows, orient="index", columns=["value", "unit"])
+    frame = quantities.to_dataframe()
+    for name, (scale, _) in scales.items():
+        frame[name] /= scale
+    return frame.rename(columns={name: f"{name} [{unit}]" if unit else name for name, (_, unit) in scales.items()})

@@ -104,8 +104,8 @@ class Contact:
                 place = np.clip(place - step, (place - 1) / 2, (place + 1) / 2)
                 if np.all(np.abs(step) < 1e-9):  # of second order in the pressure
                     break
-        weight = (1 - place) ** (0.5 + delta) * (1 + place) ** (0.5 - delta)
-        return -self.pressure_scale * cos * weight * _at(factor, place)
+        weight = np.sqrt((1 - place) * (1 + place)) * np.exp(delta * np.log((1 - place) / (1 + place)))
+        return np.asarray(-self.pressure_scale * cos * weight * _at(factor, place))
 
     @cached_property
     def charge_density(self) -> Array:
@@ -113,8 +113,8 @@ class Contact:
 
         ``e0 = [(-T, -J) - r P] / (pi h)``; the friction part of the theory's e stands in D.
         """
-        width = (np.pi * self.half_width)[..., None]
-        return -(self.charges + self.sliding.screening * self.load[..., None]) / width
+        width, screening = np.pi * self.half_width, self.sliding.screening
+        return _by_field(*(-(self.charges[..., j] + screening[..., j] * self.load) / width for j in range(2)))
 
     @cached_property
     def relative_charge_density(self) -> Array:
@@ -126,15 +126,20 @@ class Contact:
 
     def edge_intensity(self, edge: float) -> Array:
         """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at a smooth edge, X = 1 trailing or -1 leading; (..., 2)."""
-        follower = (self.friction * self.shape.follower_at(edge) * self.pressure_scale)[..., None]
-        root = np.sqrt(np.pi * self.half_width)[..., None]
-        return np.asarray(root * (follower * self.sliding.friction_screening + self.charge_density))
+        follower = self.friction * self.shape.follower_at(edge) * self.pressure_scale
+        root, screening = np.sqrt(np.pi * self.half_width), self.sliding.friction_screening
+        return _by_field(*(root * (follower * screening[..., j] + self.charge_density[..., j]) for j in range(2)))
 
     def edge_stress(self, edge: float) -> Array:
         """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (...)."""
         slope = _at(self.pressing.slope, np.array(edge))
         per_slope = self.halfplane.in_plane_stiffness * self.halfplane.tangential_compliance * self.friction
         return per_slope * self.pressure_scale * slope
+
+
+def _by_field(electric: Array, magnetic: Array) -> Array:
+    """Values of both fields along the last axis, the cases of each side by side in memory; (..., 2)."""
+    return np.moveaxis(np.stack(np.broadcast_arrays(electric, magnetic)), 0, -1)
 
 
 def _derivative(coefficients: Array) -> Array:

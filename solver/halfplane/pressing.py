@@ -56,8 +56,8 @@ class Pressing:
     def rise_rate(self) -> Array:
         """d rise / dlog P [m]."""
         edge = self.centre + 1
-        moved = np.sum(self.slope, -1) * (self.width_rate * edge + self.centre_rate)
-        turned = _integral(self.slope_rate, -self.centre, 1.0)
+        moved = sum(_by_power(self.slope)) * (self.width_rate * edge + self.centre_rate)
+        turned = _integral(self.slope_rate, -self.centre, 1.0) if np.any(self.slope_rate) else 0.0
         return np.asarray(self.half_width * self.slope_scale * (moved + turned))
 
 
@@ -82,15 +82,15 @@ def _between_corners(profile: Profile, width: Array, angle: FrictionAngle, lam: 
     slope = stack(*(c * half**k for k, c in enumerate(profile.slope))) / scale[..., None]
     rate = np.zeros(1)
     if profile.moment is not None:
-        tilted = Shape.of_slope(angle, smooth, np.ones(1)).first_moment
+        tilted = Shape.of_slope(angle, smooth, [np.ones(())]).first_moment
         slope = np.array(slope + np.zeros((*np.shape(profile.moment / load + half + tilted + carried), 1)))
         slope[..., 0] = 0.0
-        others = Shape.of_slope(angle, smooth, slope).first_moment + flat.first_moment * carried
+        others = Shape.of_slope(angle, smooth, _by_power(slope)).first_moment + flat.first_moment * carried
         slope[..., 0] = (-profile.moment / (half * load) - others) / tilted
         rate = (-flat.first_moment * carried / tilted)[..., None]
 
     def shape(coefficients: Array) -> Shape:
-        factor = Shape.of_slope(angle, smooth, coefficients).factor
+        factor = Shape.of_slope(angle, smooth, _by_power(coefficients)).factor
         factor = np.array(factor + np.zeros((*np.shape(carried), 1)))
         factor[..., 0] += carried
         return Shape(angle, smooth, factor)
@@ -103,7 +103,10 @@ def _similar(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) ->
     """g' = gamma x^n: c / h and the pressure's shape depend on the friction angle only, h^(n+1) goes as the load."""
     n, gamma = len(profile.slope) - 1, profile.slope[-1]
     centre = _centre(profile.smooth, angle, n)
-    slope = np.sign(gamma)[..., None] * _shifted_power(centre, n)
+    sign = np.sign(gamma)
+    if np.all(sign == sign.flat[0]):
+        sign = np.asarray(sign.flat[0])  # the shape of a cylinder is then that of all cases
+    slope = [sign * term for term in _shifted_power(centre, n)]
     shape = Shape.of_slope(angle, profile.smooth, slope)
     carried = -shape.total
     if not np.all(carried > 0):
@@ -112,7 +115,8 @@ def _similar(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) ->
     rate = np.array(1 / (n + 1))
     shape_rate = Shape(angle, profile.smooth, n * rate * shape.factor)
     slope_rate = np.zeros(1)  # G keeps its form in x
-    return Pressing(half, centre, np.abs(gamma) * half**n, slope, slope_rate, shape, shape_rate, rate, np.zeros(()))
+    scale, nothing = np.abs(gamma) * half**n, np.zeros(())
+    return Pressing(half, centre, scale, stack(*slope), slope_rate, shape, shape_rate, rate, nothing)
 
 
 def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
@@ -123,7 +127,8 @@ def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
     if n % 2 == 0:
         raise ContactError(_NO_ODD_POWER)
     for _ in range(_NEWTON_STEPS if n > 1 else 0):
-        step = imbalance(angle, _shifted_power(centre, n)) / imbalance(angle, n * _shifted_power(centre, n - 1))
+        value, rate = (imbalance(angle, _shifted_power(centre, power)) for power in (n, n - 1))
+        step = value / (n * rate)
         centre = centre - step
         if np.all(np.abs(step) <= _TOLERANCE):
             break
@@ -145,7 +150,7 @@ def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -
     width_rate, centre_rate = equations.rates
     value, by_width, by_centre = slopes(profile.slope, half, centre)
     change = width_rate[..., None] * by_width + centre_rate[..., None] * by_centre
-    shape, shape_rate = (Shape.of_slope(angle, profile.smooth, g) for g in (value, change))
+    shape, shape_rate = (Shape.of_slope(angle, profile.smooth, _by_power(g)) for g in (value, change))
     return Pressing(half, centre, np.ones(()), value, np.zeros(1), shape, shape_rate, width_rate, centre_rate)
 
 
@@ -173,7 +178,7 @@ class _Equations:
     @classmethod
     def at(cls, profile: Profile, angle: FrictionAngle, loaded: Array, half: Array, centre: Array) -> Self:
         """The equations at h and c / h, of ``loaded = lam P``."""
-        moments = slopes(profile.slope, half, centre)
+        moments = [_by_power(g) for g in slopes(profile.slope, half, centre)]
         total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in moments)
         if not np.all(total < 0):
             raise ContactError("slope: no contact of this punch carries the load without tension")
@@ -213,7 +218,7 @@ def _shifted(terms: Sequence[Array], centre: Array, size: int) -> Array:
     """Coefficients of sum_k terms[k] (X + centre)^k in powers of X, with zeros up to a size; (..., size)."""
     out: Array = np.zeros((*np.broadcast_shapes(centre.shape, *(term.shape for term in terms)), size))
     for k, term in enumerate(terms):
-        out[..., : k + 1] += term[..., None] * _shifted_power(centre, k)
+        out[..., : k + 1] += term[..., None] * stack(*_shifted_power(centre, k))
     return out
 
 
@@ -226,9 +231,14 @@ def _refuse_tension(pressing: Pressing) -> None:
         raise ContactError("contact: it would need tension between punch and surface (too much tilt or moment)")
 
 
-def _shifted_power(centre: Array, n: int) -> Array:
-    """Coefficients of (X + centre)^n in powers of X; (..., n + 1)."""
-    return stack(*(comb(n, k) * centre ** (n - k) for k in range(n + 1)))
+def _shifted_power(centre: Array, n: int) -> list[Array]:
+    """Coefficients of (X + centre)^n in powers of X, (...) each; the last is 1."""
+    return [*(comb(n, k) * centre ** (n - k) for k in range(n)), np.ones(())]
+
+
+def _by_power(coefficients: Array) -> list[Array]:
+    """Coefficients (..., k) as one array (...) for each power."""
+    return [*np.moveaxis(coefficients, -1, 0)]
 
 
 def _integral(coefficients: Array, low: Array, high: float) -> Array:

@@ -29,23 +29,34 @@ class Response:
         """ell = log(h / 2L)."""
         return np.log(self.contact.half_width / (2 * self.datum))
 
-    def _bracket(self, shape: Shape) -> Array:
-        """The bracket of B_J over pi int S; (..., 3)."""
-        sliding = self.contact.sliding
-        along = sliding.coupling - sliding.friction_coupling
-        follower = (sliding.friction * shape.follower_moment)[..., None]
-        pressed = sliding.normal_compliance * shape.logarithmic_moment[..., None]
-        return (pressed + along * follower) / (np.pi * self.contact.shape.total)[..., None]
+    def _moments(self, shape: Shape) -> tuple[Array, Array]:
+        """Logarithmic moment, and follower moment times eta, over pi int S; (...)."""
+        total = np.pi * self.contact.shape.total
+        return shape.logarithmic_moment / total, self.contact.friction * shape.follower_moment / total
+
+    def _constants(self, logarithmic: Array, follower: Array) -> list[Array]:
+        """B_J from the moments, or d (P B_J) / dP from their rates; (...) each."""
+        sliding, constants = self.contact.sliding, []
+        for J in range(3):
+            along = sliding.coupling[..., J] - sliding.friction_coupling[..., J]
+            constant = along * follower - self.contact.friction * (sliding.coupling[..., J] / 2)
+            pressed = sliding.normal_compliance[..., J]
+            constants.append(constant + pressed * logarithmic if np.any(pressed) else constant)
+        return constants
 
     @cached_property
-    def _load_constant(self) -> Array:
-        """B_J; (..., 3)."""
-        return self._bracket(self.contact.shape) - self._shear_part
+    def _load_constants(self) -> list[Array]:
+        """B_J; (...) each."""
+        return self._constants(*self._moments(self.contact.shape))
 
-    @property
-    def _shear_part(self) -> Array:
-        """eta k_J / 2; (..., 3)."""
-        return self.contact.friction[..., None] * self.contact.sliding.coupling / 2
+    @cached_property
+    def _load_constant_rates(self) -> list[Array]:
+        """d (P B_J) / dP; (...) each."""
+        if self.contact.profile.homogeneous:
+            return self._load_constants  # contacts under all loads are similar
+        pressing = self.contact.pressing
+        pairs = zip(*(self._moments(shape) for shape in (pressing.shape, pressing.shape_rate)), strict=True)
+        return self._constants(*(pressing.width_rate * moment + rate for moment, rate in pairs))
 
     @property
     def _datum_part(self) -> Array:
@@ -54,35 +65,35 @@ class Response:
             return np.zeros(())
         return self.contact.sliding.punch.compliance / np.pi * np.log(self.datum / self.punch_datum)
 
-    @cached_property
-    def _load_constant_rate(self) -> Array:
-        """d (P B_J) / dP; (..., 3)."""
-        pressing = self.contact.pressing
-        widened = pressing.width_rate[..., None] * self._bracket(self.contact.shape)
-        return widened + self._bracket(pressing.shape_rate) - self._shear_part
-
     def _displacement(self, J: int) -> Array:
         """u_J(a)."""
         c, N = self.contact, self.contact.sliding.compliance
-        charge_part = dot(N[..., J, 1:], c.charges) / np.pi
-        return np.asarray(self._load_part(J) * c.load + charge_part * self.log_width)
+        displacement = self._load_parts[J] * c.load
+        if np.any(c.charges):
+            displacement = displacement + dot(N[..., J, 1:], c.charges) / np.pi * self.log_width
+        return np.asarray(displacement)
 
-    def _load_part(self, J: int) -> Array:
+    @cached_property
+    def _load_parts(self) -> list[Array]:
         """u_J(a) / P without charges."""
         N = self.contact.sliding.compliance
-        part = N[..., J, 0] / np.pi * self.log_width + self._load_constant[..., J]
-        return part if J else part + self._datum_part
+        parts = [N[..., J, 0] / np.pi * self.log_width + self._load_constants[J] for J in range(3)]
+        return [parts[0] + self._datum_part, *parts[1:]]
 
-    def _load_tangent(self, J: int, *, charged: bool) -> Array:
-        """d u_J(a) / dP, with or without the charges of the case."""
+    @cached_property
+    def _load_tangents(self) -> list[Array]:
+        """d u_J(a) / dP without charges."""
+        N, width = self.contact.sliding.compliance, (self.log_width + self.contact.pressing.width_rate) / np.pi
+        tangents = [N[..., J, 0] * width + self._load_constant_rates[J] for J in range(3)]
+        return [tangents[0] + self._datum_part, *tangents[1:]]
+
+    def _charged_tangent(self, J: int) -> Array:
+        """d u_J(a) / dP at the charges of the case."""
         c, N = self.contact, self.contact.sliding.compliance
+        if not np.any(c.charges):
+            return self._load_tangents[J]
         width_rate = c.pressing.width_rate / np.pi
-        tangent = N[..., J, 0] * (self.log_width / np.pi + width_rate) + self._load_constant_rate[..., J]
-        if J == 0:
-            tangent = tangent + self._datum_part
-        if charged:
-            tangent = tangent + dot(N[..., J, 1:], c.charges) * width_rate / c.load
-        return np.asarray(tangent)
+        return np.asarray(self._load_tangents[J] + dot(N[..., J, 1:], c.charges) * width_rate / c.load)
 
     @property
     def depth(self) -> Array:
@@ -93,7 +104,7 @@ class Response:
     def _depth_tangent(self) -> Array:
         """d depth / dP at fixed charges [m2/N]."""
         c = self.contact
-        return c.pressing.rise_rate / c.load - self._load_tangent(0, charged=True)
+        return c.pressing.rise_rate / c.load - self._charged_tangent(0)
 
     def potential(self, field: int) -> Array:
         """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch relative to the datum."""
@@ -101,12 +112,12 @@ class Response:
 
     def sensitivity(self, field: int) -> Array:
         """d potential / d load without charges [V m/N, A m/N]."""
-        return self._load_tangent(1 + field, charged=False)
+        return self._load_tangents[1 + field]
 
     def short_circuit(self, field: int) -> Array:
         """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
         N = self.contact.sliding.compliance
-        return -np.pi * self._load_part(1 + field) / (N[..., 1 + field, 1 + field] * self.log_width)
+        return -np.pi * self._load_parts[1 + field] / (N[..., 1 + field, 1 + field] * self.log_width)
 
     def two_port(self, field: int) -> Compliance:
         """Compliance of a field; its derivatives in the charge lack log_width/pi, on which no ratio of them depends."""
@@ -114,7 +125,7 @@ class Response:
         return Compliance(
             self._depth_tangent,
             -N[..., 0, 1 + field],
-            self._load_tangent(1 + field, charged=True),
+            self._charged_tangent(1 + field),
             N[..., 1 + field, 1 + field],
         )
 

@@ -15,14 +15,14 @@ With ``E = 1 + delta Phi`` nothing is divided by theta. In ``u = z - sqrt(z^2 - 
 ``((1 - u)/(1 + u))^(2 delta)``, V a Laurent polynomial, and the negative part a power series in u without a constant.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from math import factorial
 
 import numpy as np
 import scipy  # scipy.special, slow to import, and not every job solves
 
-from solver.arrays import Array, Points, dot, power_series, stack
+from solver.arrays import Array, Points, power_series, stack
 from solver.halfplane.sliding import FrictionAngle
 
 _FAR = 0.3  # |u| below which the series is summed; above it the closed form cancels less than (1/u)^(degree + 2)
@@ -38,16 +38,16 @@ class Shape:
     factor: Array
 
     @classmethod
-    def of_slope(cls, angle: FrictionAngle, smooth: tuple[bool, bool], slope: Array) -> "Shape":
+    def of_slope(cls, angle: FrictionAngle, smooth: tuple[bool, bool], slope: Sequence[Array]) -> "Shape":
         """The shape under a slope; between two corners the one without total.
 
         Between two smooth edges there is one only where :func:`imbalance` is 0.
 
-        slope: (..., degree + 1), coefficients of G.
+        slope: coefficients of G, (...) each.
         """
         power = sum(smooth) - 1  # A + B
-        series = _edge_series(angle.delta, smooth, slope.shape[-1] + 1)
-        terms = [_coefficient(slope, series, j + power) for j in range(max(slope.shape[-1] - power, 1))]
+        series = _edge_series(angle.delta, smooth, len(slope) + 1)
+        terms = [_coefficient(slope, series, j + power) for j in range(max(len(slope) - power, 1))]
         shape = cls(angle, smooth, (-1.0 if smooth[0] else 1.0) * stack(*terms))
         if any(smooth):
             return shape
@@ -73,9 +73,7 @@ class Shape:
     @cached_property
     def _chebyshev(self) -> Array:
         """V in Chebyshev polynomials, which are (u^j + u^-j)/2; (..., degree + m + n + 1)."""
-        count = self._power.shape[-1]
-        rows = [np.polynomial.chebyshev.poly2cheb(row) for row in np.eye(count)]
-        return np.asarray(self._power @ np.array([np.pad(row, (0, count - len(row))) for row in rows]))
+        return np.asarray(self._power @ _chebyshev_of_powers(self._power.shape[-1]))
 
     def _laurent(self, numbers: range) -> Array:
         """Coefficients of u^k, k of the numbers, in V Phi; (..., number)."""
@@ -83,7 +81,7 @@ class Shape:
         degree = c.shape[-1] - 1
         phi = [2 * term for term in _phi_series(2 * delta, max(numbers) + degree + 1)]  # of Phi in powers of u
         two_sided = {j: (0.5 if j else 1.0) * c[..., abs(j)] for j in range(-degree, degree + 1)}
-        sums = [sum((two_sided[j] * phi[k - j] for j in two_sided if k > j), np.zeros_like(delta)) for k in numbers]
+        sums = [sum((two_sided[j] * phi[k - j] for j in two_sided if k > j), np.zeros(())) for k in numbers]
         return stack(*sums)
 
     @cached_property
@@ -120,13 +118,13 @@ class Shape:
         power, skew = m + n - 1, n - m - 2 * delta  # A + B, B - A
         start = np.pi * min(power + 2, 2) * (0.5 + delta if m else 1.0) * (0.5 - delta if n else 1.0)
         harmonic = (0.0, 1.0, 1.5)[power + 1]
-        log_mean = delta * digamma_difference(delta) + 2 - harmonic - (0.0 if m else 1 / (0.5 + delta))
+        log_mean = delta * self.angle.digamma_difference + 2 - harmonic - (0.0 if m else 1 / (0.5 + delta))
         plain, logs = [start], [start * log_mean]
         for j in range(self.factor.shape[-1] - 1):
             before, log_before = (plain[j - 1], logs[j - 1]) if j else (0.0, 0.0)
             plain.append((skew * plain[j] + j * before) / (power + j + 2))
             logs.append((skew * logs[j] - plain[j] - plain[j + 1] + j * log_before) / (power + j + 2))
-        return dot(self.factor, stack(*logs))
+        return _contracted(self.factor, logs)
 
     @cached_property
     def follower_moment(self) -> Array:
@@ -134,10 +132,10 @@ class Shape:
         delta = self.angle.delta
         count = self._power.shape[-1]
         phi = _phi_series(delta, count)
-        values = [-digamma_difference(delta) - 4 / (1 + 2 * delta)]  # of int (z^j Phi - Pol) / sqrt(z^2 - 1)
+        values = [-self.angle.digamma_difference - 4 / (1 + 2 * delta)]  # of int (z^j Phi - Pol) / sqrt(z^2 - 1)
         for j in range(count - 1):
             values.append((phi[j + 1] - 2 * delta * values[j] + (j * values[j - 1] if j else 0.0)) / (j + 1))
-        return -np.pi * self._sign * self.angle.delta_over_tan * dot(self._power, stack(*values))
+        return -np.pi * self._sign * self.angle.delta_over_tan * _contracted(self._power, values)
 
     def traction(self, X: Array) -> tuple[Array, Array]:
         """S and S sqrt(1 - X^2) at positions |X| < 1; (..., position)."""
@@ -198,19 +196,31 @@ class Shape:
         return pressure, -self._sign * rho * (negative - mirrored)
 
 
-def imbalance(angle: FrictionAngle, slope: Array) -> Array:
+@cache
+def _chebyshev_of_powers(count: int) -> Array:
+    """Chebyshev coefficients of the powers 1 to x^(count - 1); (power, count)."""
+    rows = [np.polynomial.chebyshev.poly2cheb(row) for row in np.eye(count)]
+    return np.array([np.pad(row, (0, count - len(row))) for row in rows])
+
+
+def _contracted(coefficients: Array, values: Sequence[Array]) -> Array:
+    """Sum over k of coefficients[..., k] values[k]; (...)."""
+    return np.asarray(sum(coefficients[..., k] * value for k, value in enumerate(values)))
+
+
+def imbalance(angle: FrictionAngle, slope: Sequence[Array]) -> Array:
     """The 1/z term of G/X(z), which vanishes for a contact with two smooth edges; (...).
 
-    slope: (..., degree + 1), coefficients of G.
+    slope: coefficients of G, (...) each.
     """
-    return _coefficient(slope, _edge_series(angle.delta, (True, True), slope.shape[-1]), 0)
+    return _coefficient(slope, _edge_series(angle.delta, (True, True), len(slope)), 0)
 
 
 def _edge_series(delta: Array, smooth: tuple[bool, bool], count: int) -> list[Array]:
     """Coefficients of (1 - t)^-A (1 + t)^-B in powers of t."""
     m, n = smooth
     power, skew = m + n - 1, n - m - 2 * delta  # A + B, B - A
-    series = [np.ones_like(delta), -skew]
+    series = [np.ones(()), -skew]
     for k in range(1, count - 1):
         series.append((-skew * series[k] + (k - 1 + power) * series[k - 1]) / (k + 1))
     return series
@@ -218,27 +228,13 @@ def _edge_series(delta: Array, smooth: tuple[bool, bool], count: int) -> list[Ar
 
 def _phi_series(delta: Array, count: int) -> list[Array]:
     """Coefficients of [((1 - t)/(1 + t))^delta - 1] / delta in powers of t."""
-    series = [np.zeros_like(delta), np.full_like(delta, -2.0)]
+    series = [np.zeros(()), np.array(-2.0)]
     for k in range(1, count - 1):
         series.append((-2 * delta * series[k] + (k - 1) * series[k - 1]) / (k + 1))
     return series
 
 
-def _coefficient(slope: Array, series: list[Array], shift: int) -> Array:
+def _coefficient(slope: Sequence[Array], series: list[Array], shift: int) -> Array:
     """Sum over k of slope_k series_(k - shift)."""
-    picked = [slope[..., k] * series[k - shift] for k in range(slope.shape[-1]) if k >= shift]
+    picked = [slope[k] * series[k - shift] for k in range(len(slope)) if k >= shift]
     return np.asarray(sum(picked, np.zeros(())))
-
-
-@cache
-def digamma_series() -> Array:
-    """Return the Taylor coefficients of (digamma(3/2 + delta) - digamma(3/2)) / delta; (48,)."""
-    return np.array([float(scipy.special.polygamma(n, 1.5)) / factorial(n) for n in range(1, 49)])
-
-
-def digamma_difference(delta: Array) -> Array:
-    """``(digamma(3/2 + delta) - digamma(3/2)) / delta`` for ``|delta| <= 1/2``; trigamma(3/2) at 0.
-
-    The Taylor series about 3/2 has radius 3/2, so 48 terms reach rounding at ``|delta| = 1/2``.
-    """
-    return np.asarray(np.polynomial.polynomial.polyval(delta, digamma_series(), tensor=False))

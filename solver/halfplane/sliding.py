@@ -1,7 +1,9 @@
 """Coefficients of the integral equations (2.2) for a material, friction and conduction, before any profile or load."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
+from math import factorial
 from typing import Self
 
 import numpy as np
@@ -10,6 +12,17 @@ from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, column, dot, stack
 from solver.halfplane.surface import HalfPlane
+
+_DIGITS = 37.0  # -log of the rounding unit
+
+
+@cache
+def digamma_series() -> Array:
+    """Return the Taylor coefficients of (digamma(3/2 + delta) - digamma(3/2)) / delta; (48,).
+
+    48 terms reach rounding at ``|delta| = 1/2``.
+    """
+    return np.array([float(scipy.special.polygamma(n, 1.5)) / factorial(n) for n in range(1, 49)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +40,18 @@ class FrictionAngle:
     def delta(self) -> Array:
         """theta / pi = alpha - 1/2."""
         return np.arctan(self.tan) / np.pi
+
+    @cached_property
+    def digamma_difference(self) -> Array:
+        """``(digamma(3/2 + delta) - digamma(3/2)) / delta``, trigamma(3/2) at 0: Taylor series of radius 3/2."""
+        series = digamma_series()
+        largest = float(np.max(np.abs(self.delta), initial=0.0))
+        terms = series.size if not 0 < largest < 0.5 else 3 + int(_DIGITS / np.log(1.5 / largest))
+        value = np.full_like(self.delta, series[terms - 1])
+        for coefficient in series[terms - 2 :: -1]:
+            value *= self.delta
+            value += coefficient
+        return value
 
     @cached_property
     def delta_over_tan(self) -> Array:
@@ -57,6 +82,19 @@ class Punch:
 RIGID_PUNCH = Punch()
 
 
+def _of_distinct(method: Callable[["Sliding"], Array]) -> cached_property[Array]:
+    """Cached property that is computed for the distinct half-planes, where the cases share conduction and punch."""
+
+    def values(sliding: "Sliding") -> Array:
+        shared = sliding.of_distinct
+        if shared is None:
+            return method(sliding)
+        return sliding.halfplane.of_cases(getattr(shared, method.__name__))
+
+    values.__doc__ = method.__doc__
+    return cached_property(values)
+
+
 @dataclass(frozen=True, eq=False)
 class Sliding:
     """Elimination of the conducted fields from (2.2)."""
@@ -67,21 +105,30 @@ class Sliding:
     punch: Punch = RIGID_PUNCH
 
     @cached_property
+    def of_distinct(self) -> "Sliding | None":
+        """The sliding contact of the distinct half-planes; None where cases differ in conduction or punch."""
+        varies = self.conducts.size > 2 or self.punch.compliance.size > 1 or self.punch.coupling.size > 1
+        distinct = self.halfplane.distinct
+        if varies or distinct is self.halfplane:
+            return None
+        return Sliding(distinct, np.zeros(()), self.conducts.reshape(2), self.punch)
+
+    @_of_distinct
     def compliance(self) -> Array:
         """N of (2.2): that of the surface, with the punch's own at (y, y); (..., 3, 3)."""
         return np.asarray(self.halfplane.compliance + column(self.punch.compliance) * np.diag([1.0, 0.0, 0.0]))
 
-    @cached_property
+    @_of_distinct
     def coupling(self) -> Array:
         """k of (2.2): that of the surface, without the punch's own at y; (..., 3)."""
         return np.asarray(self.halfplane.friction_coupling - self.punch.coupling[..., None] * np.array([1.0, 0.0, 0.0]))
 
-    @cached_property
+    @_of_distinct
     def screening(self) -> Array:
         """r = M^-1 n: how the conducted fields follow the pressure; (..., 2)."""
         return self._solve_conducted(self.halfplane.compliance[..., 1:, 0])
 
-    @cached_property
+    @_of_distinct
     def friction_screening(self) -> Array:
         """d = M^-1 kq: how the conducted fields follow the friction; (..., 2)."""
         return self._solve_conducted(self.halfplane.friction_coupling[..., 1:])
@@ -95,12 +142,12 @@ class Sliding:
         masked = np.where(self.conducts, scale * right, 0.0)
         return np.asarray(np.linalg.solve(scaled, masked[..., None])[..., 0] * scale)
 
-    @cached_property
+    @_of_distinct
     def normal_compliance(self) -> Array:
         """N_J0 - N_Jq.r of J = (u_y, phi, psi): lam, and 0 for a conducted field; (..., 3)."""
         return self._follow(self.compliance[..., 0], self.screening)
 
-    @cached_property
+    @_of_distinct
     def friction_coupling(self) -> Array:
         """k_J - N_Jq.d of J = (u_y, phi, psi): kap, and 0 for a conducted field; (..., 3)."""
         return self._follow(self.coupling, self.friction_screening)

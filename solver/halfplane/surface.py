@@ -1,6 +1,6 @@
 """Surface response of the half-plane y < 0: the Stroh matrix, its roots, its Barnett-Lothe tensors (theory, 2)."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -38,9 +38,11 @@ class HalfPlane:
 
     def repeated(self, case_index: Indices) -> "HalfPlane":
         """The half-plane of cases, each with one of these materials and speeds; the tensors are those of this one."""
-        material = combined(lambda values: values[case_index] if values.shape else values, [self.material], "material")
-        speed = self.speed[case_index] if self.speed.shape else self.speed
-        return _Repeated(replace(material, name=self.material.name), speed, of=self, case_index=case_index)
+        return _Repeated(self, case_index)
+
+    def of_cases(self, values: Array) -> Array:
+        """Values of the distinct half-planes, (distinct, ...), for every case."""
+        return values
 
     @cached_property
     def inertia(self) -> Array:
@@ -104,7 +106,7 @@ class HalfPlane:
         L_inv = np.linalg.inv(L)
         return S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2
 
-    @property
+    @cached_property
     def condition(self) -> Array:
         """Frobenius condition number of the scaled L; (...)."""
         inverse = self._barnett_lothe[1]
@@ -147,7 +149,7 @@ class HalfPlane:
         share = np.linalg.solve(T3, (h * scale)[..., None])[..., 0] * scale
         return m.c11 - dot(h, share), share
 
-    @property
+    @cached_property
     def in_plane_stiffness(self) -> Array:
         """c11 - h T3^-1 h [Pa]: sigma_xx per du_x/dx on a traction-free surface (theory section 5); (...)."""
         return self._in_plane[0]
@@ -172,21 +174,51 @@ class HalfPlane:
         return np.stack([np.stack([eps, g], -1), np.stack([g, mu], -1)], -2)
 
 
-@dataclass(frozen=True, eq=False)
 class _Repeated(HalfPlane):
-    """The half-plane of cases that share distinct materials and speeds."""
+    """The half-plane of cases that share distinct materials and speeds; constants of each case only where needed."""
 
-    of: HalfPlane = field(kw_only=True)
-    case_index: Indices = field(kw_only=True)
+    def __init__(self, distinct: HalfPlane, case_index: Indices) -> None:
+        vars(self).update(_distinct=distinct, _case_index=case_index)
+
+    _distinct: HalfPlane
+    _case_index: Indices
 
     @property
     def distinct(self) -> HalfPlane:
-        return self.of
+        return self._distinct
+
+    def of_cases(self, values: Array) -> Array:
+        return np.moveaxis(np.take(np.moveaxis(values, 0, -1), self._case_index, -1), -1, 0)  # cases contiguous
+
+    @cached_property
+    def material(self) -> Material:
+        material, index = self._distinct.material, self._case_index
+        return combined(lambda values: values[index] if values.shape else values, [material], material.name)
+
+    @cached_property
+    def speed(self) -> Array:
+        return self._distinct.speed[self._case_index] if self._distinct.speed.shape else self._distinct.speed
 
     @cached_property
     def _barnett_lothe(self) -> tuple[Array, Array]:
-        local, nonlocal_ = self.of._barnett_lothe
-        return local[self.case_index], nonlocal_[self.case_index]
+        local, nonlocal_ = self._distinct._barnett_lothe
+        return self.of_cases(local), self.of_cases(nonlocal_)
+
+    @cached_property
+    def compliance(self) -> Array:
+        return self.of_cases(self._distinct.compliance)
+
+    @cached_property
+    def friction_coupling(self) -> Array:
+        return self.of_cases(self._distinct.friction_coupling)
+
+    @cached_property
+    def tangential_compliance(self) -> Array:
+        return self.of_cases(self._distinct.tangential_compliance)
+
+    @cached_property
+    def in_plane_stiffness(self) -> Array:
+        return self.of_cases(self._distinct.in_plane_stiffness)
 
 
 def _norm(*blocks: NDArray[Any]) -> Array:

@@ -57,8 +57,8 @@ def film_coefficient(film: Material, base: Material | None = None) -> float:
     if base is None:
         return free
     clamped = float(film.e31 - film.e33 * film.c13 / film.c33)
-    apart = constant("expansion", film.thermal, film.name) - constant("expansion", base.thermal, base.name)
-    return free - 2 * clamped * apart
+    mismatch = constant("expansion", film.thermal, film.name) - constant("expansion", base.thermal, base.name)
+    return free - 2 * clamped * mismatch
 
 
 def conduction(stack: Stack) -> Conduction:
@@ -138,6 +138,10 @@ class HeatedStack:
 
         The charge decays with the circuit's time constant ``leak`` [s] as well.
         """
+        if not self.weights.any():
+            return np.inf
+        if not charge:
+            return _EARLIEST
 
         def excess(log: float) -> float:
             heat_charge = abs(self.collected(self.warmed(spot, 10**log, leak), patch))

@@ -76,8 +76,8 @@ class Patch:
             return (((low < r) & (r < high)).astype(float) + ((low < -r) & (-r < high))) / 2
         if self.shape == "strip":
             return np.asarray(np.arccos(np.clip(low / r, -1, 1)) - np.arccos(np.clip(high / r, -1, 1))) / np.pi
-        apart = max(abs(self.distance), 1e-9 * self.half_width)
-        cosine = (r**2 + apart**2 - self.half_width**2) / (2 * r * apart)
+        distance = max(abs(self.distance), 1e-9 * self.half_width)
+        cosine = (r**2 + distance**2 - self.half_width**2) / (2 * r * distance)
         return np.asarray(np.arccos(np.clip(cosine, -1, 1))) / np.pi
 
 
@@ -95,9 +95,9 @@ class Warmed:
 
         weights : of the layers, as their charge per area and kelvin; leak [s] : time constant of what reads.
         """
-        own, r = body.conductivity / body.capacity, spot.half_width
-        fastest = max(own.max(), spot.punch[0] / spot.punch[1]) if spot.punch else own.max()
-        first = _FIRST * min(r, float(np.sqrt(own.min() * time)))
+        diffusivity, r = body.conductivity / body.capacity, spot.half_width
+        fastest = max(diffusivity.max(), spot.punch[0] / spot.punch[1]) if spot.punch else diffusivity.max()
+        first = _FIRST * min(r, float(np.sqrt(diffusivity.min() * time)))
         outer = r + _graded(_FAR * float(np.sqrt(fastest * time)), first, _OUTSIDE)
         edges = np.concatenate([(r - _graded(r, first, _INSIDE))[:0:-1], outer])
         edges[0] = 0.0
@@ -140,8 +140,8 @@ class Warmed:
         """
         r, charges = self._parts((self.spot.half_width,))
         gap = self.spot.gap(r)
-        beside = gap > 0
-        return float(charges[~beside].sum() + charges[beside] @ (film_gap / (film_gap + gap[beside])))
+        exterior = gap > 0
+        return float(charges[~exterior].sum() + charges[exterior] @ (film_gap / (film_gap + gap[exterior])))
 
     def _parts(self, ends: tuple[float, ...]) -> tuple[Array, Array]:
         """Middles of the parts of rings [m], which some radii divide, and their charges; (part,)."""

@@ -1,6 +1,6 @@
-"""Effective constants of two-phase composites poled along y (theory section 7)."""
+"""Effective constants of two-phase composites poled along y (theory section 7), and composites by their name."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, column, unmasked
+from solver.material.alloy import aluminium_scandium_nitride
 from solver.material.constants import ANY_SIZE, UNITS, Material, MaterialError
 from solver.material.evidence import Sourced
-from solver.names import THERMAL
+from solver.names import COMPOSITES, THERMAL
 
 _FIELD = 1e9  # V/m: brings couplings and permittivities of ceramics near their stiffnesses
 
@@ -188,11 +189,11 @@ def _thermal(composite: Material, phases: tuple[Material, Material], v: float, p
         power = 1 if parallel else -1
         values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
     loads = [_thermal_load(phase, known) for phase, known in zip(phases, (first, second), strict=True)]
-    one, two, whole = (_axial(body) for body in (*phases, composite))
-    if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(one - two) == len(one):
+    matrix, other, whole = (_axial(body) for body in (*phases, composite))
+    if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(matrix - other) == len(matrix):
         # with the change of temperature these strains and fields are uniform in both phases, and so in the composite
-        uniform = np.linalg.solve(one - two, loads[1] - loads[0])
-        load = loads[0] + (one - whole) @ uniform
+        uniform = np.linalg.solve(matrix - other, loads[1] - loads[0])
+        load = loads[0] + (matrix - whole) @ uniform
         across, along = np.linalg.solve(whole[:2, :2], -load[:2])
         values["expansion"] = across
         values["pyroelectric"] = load[2] / _FIELD + composite.e31 * 2 * across + composite.e33 * along
@@ -222,3 +223,20 @@ def _thermal_load(material: Material, known: Mapping[str, float]) -> Array | Non
     load = np.asarray(-_axial(material) @ free)
     load[2] += _FIELD * known.get("pyroelectric", 0.0)
     return load
+
+
+#: The two phases of a composite; none of one that is not in ``solver.names.MIXTURES``.
+Phases = Sequence[Material]
+
+_LAWS: dict[str, Callable[[Phases, float | Array], Material]] = {
+    "fibrous": lambda phases, fraction: fibrous(phases[0], phases[1], fraction),
+    "laminate": lambda phases, fraction: laminate(phases[0], phases[1], fraction),
+    "AlScN": lambda _, fraction: aluminium_scandium_nitride(fraction),
+}
+
+
+def compose(composite: str, phases: Phases, fraction: float | Array) -> Material:
+    """The composite of a name."""
+    if composite not in _LAWS:
+        raise MaterialError(f"composite: {composite!r} is not one of {', '.join(COMPOSITES)}")
+    return _LAWS[composite](phases, fraction)

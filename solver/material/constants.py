@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from html import escape
 from typing import Any, Self
+from weakref import WeakSet
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -435,6 +436,8 @@ class Material:
         MaterialError
             Naming the first constant at fault, its value, the condition and the likely fix.
         """
+        if self in _ADMISSIBLE:
+            return
         for name in _ALL_UNITS:
             value = getattr(self, name)
             if not np.all(np.isfinite(value)) and name not in ("c12", "rho"):
@@ -462,6 +465,7 @@ class Material:
         if np.any(self.conductor):
             for name in ("e31", "e33", "e15", "e11", "e14", "e22", "g11", "g33"):
                 self._require(~self.conductor | (getattr(self, name) == 0), name, "must be 0 in a conductor")
+        _ADMISSIBLE.add(self)
 
     def _require(self, holds: BoolArray, constant: str, rule: str) -> None:
         """Raise, with the first offending value, unless the condition holds in every case."""
@@ -476,6 +480,10 @@ def _read(label: str, constant: str, text: str) -> float:
         return in_si(text, _ALL_UNITS.get(constant, "Pa"))
     except ValueError as error:
         raise MaterialError(f"{label}: {constant}: {error}") from None
+
+
+#: Materials that were checked.
+_ADMISSIBLE: WeakSet[Material] = WeakSet()
 
 
 def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:

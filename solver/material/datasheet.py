@@ -157,18 +157,16 @@ def _unit(name: str) -> str:
 
 def _plain(name: str, value: object) -> float:
     if not is_finite(value):
-        raise ValueError(f"{name}: {value!r} is not a finite number [{_unit(name)}]")
+        raise ValueError(f"{name}: {'empty' if value is None else repr(value)} is not a finite number [{_unit(name)}]")
     return float(value)
 
 
 def _number(name: str, value: object) -> float:
-    """Entry in SI; a bare number of a size that no material has is refused with a question."""
-    if isinstance(value, str):
-        try:
-            return in_si(value, _unit(name))
-        except ValueError as error:
-            raise ValueError(f"{name}: {error}") from None
-    number = _plain(name, value)
+    """Entry in SI; a number of a size that no material has is refused with a question."""
+    try:
+        number = in_si(value, _unit(name)) if isinstance(value, str) else _plain(name, value)
+    except ValueError as error:
+        raise ValueError(str(error) if str(error).startswith(f"{name}: ") else f"{name}: {error}") from None
     usual = _USUAL.get(name)
     size = abs(number)
     if usual and size and not usual.low <= size <= usual.high:

@@ -1,7 +1,7 @@
 """Nodes and weights in the wavenumber k for what a stack adds to its top's half-plane (films, section 3)."""
 
 import numpy as np
-from scipy.special import erfc
+import scipy  # scipy.special, slow to import, and not every job solves
 
 from approximation.chebyshev import legendre_rule
 from solver.arrays import Array
@@ -56,7 +56,7 @@ def tapered(stack: Stack, width: float, x: Array, long: float = _ENDED) -> tuple
     """Nodes and weights in k at distances, and a smooth end of Delta that long ones do not see; (k,) each."""
     end = ended_at(stack, width, x, long)
     k, weights = wavenumbers(stack, float(np.max(x)), width if end is None else DECAYED / end)
-    taper = np.ones_like(k) if end is None else erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
+    taper = np.ones_like(k) if end is None else scipy.special.erfc((k * float(np.min(x)) - _END) / _SLOPE) / 2
     return k, weights, taper
 
 

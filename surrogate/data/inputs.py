@@ -122,7 +122,7 @@ class Input:
 
     def range_text(self) -> str:
         """Return the range as text for messages, e.g. ``[0.005, 0.2] m``."""
-        return f"[{self.low:g}, {self.high:g}]" + (f" {self.units}" if self.units else "")
+        return f"[{self.low:g}, {self.high:g}]" + (f" {self.units}" if self.units not in ("", "1") else "")
 
 
 def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear") -> Array:

@@ -45,13 +45,6 @@ MEANINGS = {
     "calibration_rank": "calibration: rank of a held-out error over its deviation among those of its output, from 0",
     "calibration_length": "calibration: length over which errors stay alike, in the arccosine of a scaled input [rad]",
     "calibration_cases": "calibration: number of held-out cases",
-    "region_degree": "region that has answers: Chebyshev degrees of every term of its polynomial",
-    "region_coefficient": "region that has answers: coefficients of the polynomial",
-    "region_place": "region that has answers: scaled inputs of some cases that are refused",
-    "region_which": "region that has answers: number of the reason of each of them, from 0 on",
-    "region_reason": "region that has answers: why cases are refused",
-    "region_shares": "region that has answers: least of the polynomial, then shares: of refused cases inside, of cases "
-    "that are refused, of answered cases outside",
     "correction_degree": "correction of the mean: Chebyshev degrees of every term",
     "correction_coefficient": "correction of the mean: coefficients of every term, over their units in output_units",
     "point": "inputs of the training cases, over their units in input_units",

@@ -241,7 +241,7 @@ def _as_array(name: str, value: object, names: Sequence[str]) -> xr.DataArray:
             raise ValueError(f"input {name!r} is an array of {plain.ndim} dimensions; label it (xarray.DataArray)")
         array = xr.DataArray(plain, dims=(name,) * plain.ndim)
     if array.dtype.kind not in "iuf":
-        raise ValueError(f"input {name!r} must be numbers, got {array.dtype} values")
+        raise ValueError(f"input {name!r} must be numbers, got {array.dtype} values; units are not read here")
     for dim in array.dims:
         if dim in names and array.dims != (name,):
             raise ValueError(

@@ -14,10 +14,9 @@ from approximation.arrays import Array, Flags, blocks, unmasked
 from surrogate.data.inputs import Input, physical_points, unit_coordinates
 from surrogate.data.points import EVEN, Attrs, Labels, Points, Queries, named_points, outside, require_inside
 from surrogate.face.core import Core
-from surrogate.face.region import Region
 from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
-from surrogate.intervals.copula import MOST_POINTS, ends
+from surrogate.intervals.copula import ends
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.sharing import sharing
 
@@ -51,8 +50,6 @@ class GaussianProcess(Core):
         Level of its intervals where none is given.
     cases_ : int
         Number of cases that it was trained on.
-    region_ : Region or None
-        Where in the box it has answers; None where that is all of it.
     made_from_ : str
         A word of the caller's that tells what the model was made from, kept in its file; empty by default.
 
@@ -82,15 +79,12 @@ class GaussianProcess(Core):
     >>> median = model.calibrate(cases).quantile({"x": 0.2, "y": 1.5}, 0.5)
     >>> bool(abs(median["f"] - 1.5 * np.exp(0.2)) < 1e-6)
     True
-    >>> model.sample({"x": 0.2, "y": 1.5}, n=5, seed=0)["f"].shape
-    (5,)
     >>> lower, upper = model.interval_array(np.array([[0.2, 1.5]]))
     >>> bool((lower < upper).all()), model.calibrated, model.distribution.cases
     (True, True, 300)
     >>> least, most = model.ends_of_sum(np.array([[0.2, 1.5]]), np.array([[1.0, -1.0]]))  # of f - g
-    >>> bool(least < 0 < most), model.everywhere() is model, model.within(None).region_
-    (True, True, None)
-    >>> model.require_answers(np.array([[0.2, 1.5]]))
+    >>> bool(least < 0 < most)
+    True
     >>> model.has_answers(np.array([[0.2, 1.5], [0.2, 3.0]])).tolist()
     [True, False]
     >>> model.check_level(0.9)
@@ -104,7 +98,6 @@ class GaussianProcess(Core):
     made_from_: str = ""
     calibration_: Calibration | None
     level_: float = NOMINAL
-    region_: Region | None = None
     _made_labels: Labels | None = None
     # ends of one level, with what they were made from: a query alone asks for the same again and again
     _made_ends: tuple[Calibration | None, float, Array] | None = None
@@ -334,7 +327,7 @@ class GaussianProcess(Core):
         level = self.checked_level(level)
         named = named_points(points, self.inputs_)
         if not extrapolate:
-            self.require_answers(named.X)
+            require_inside(named.X, self.inputs_)
         slopes = self.physical_slopes(named.X, self.slopes)
         parts = {("", "derivative"): slopes}
         if return_std:
@@ -365,31 +358,12 @@ class GaussianProcess(Core):
         Raises OutOfBoxError for a point outside the box.
         """
         points = np.asarray(unmasked(X), dtype=np.float64)
-        self.require_answers(points)
+        require_inside(points, self.inputs_)
         return np.ascontiguousarray(self.physical_slopes(points, self.slopes).T)
 
-    def everywhere(self) -> Self:
-        """Return the model with answers in all of its box, where cases are refused too; itself if none are."""
-        return self if self.region_ is None else self.within(None)
-
-    def within(self, region: Region | None) -> Self:
-        """Return the model with answers in a region alone; None is all of its box."""
-        model = copy(self)
-        model.region_ = region
-        return model
-
-    def require_answers(self, X: Array) -> None:
-        """Raise OutOfBoxError, naming input, value and what is allowed, unless it has answers at all points (n, d)."""
-        require_inside(X, self.inputs_)
-        if self.region_ is not None:
-            self.region_.require(X, self.inputs_)
-
     def has_answers(self, X: Array) -> Flags:
-        """Return at which physical points, (n, d), it has answers: in the box, and where no case is refused; (n,)."""
-        inside = np.asarray(~outside(X, self.inputs_).any(axis=1))
-        if self.region_ is not None and inside.any():
-            inside[inside] = self.region_.inside(unit_coordinates(self.inputs_, X[inside]))
-        return inside
+        """Return which physical points, (n, d), are in the box; (n,)."""
+        return np.asarray(~outside(X, self.inputs_).any(axis=1))
 
     def _require_fitted(self) -> None:
         if not hasattr(self, "inputs_"):
@@ -425,8 +399,6 @@ class GaussianProcess(Core):
 
     def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
         """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
-        if self.region_ is not None and not extrapolate:
-            self.require_answers(X)
         if not extrapolate:
             require_inside(X, self.inputs_)
         mean, std = self.all_mean_std(X, return_std)
@@ -518,62 +490,6 @@ class GaussianProcess(Core):
         coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
         quantiles = self._stacked("quantile", values, named, flags).assign_coords(quantile=coordinate)
         return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
-
-    def sample(
-        self, points: Queries, n: int, seed: int, *, extrapolate: bool = False, together: bool = True
-    ) -> xr.Dataset:
-        """Draw from the predictive distributions, outputs and points together.
-
-        Errors of outputs go together as those of the held-out cases did, and those of near points by a length along
-        every input (module `copula`): a ratio or a difference of what is drawn is as uncertain as it really is. A model
-        that is not calibrated, or that measured rows have corrected, knows of no such thing, and draws every point
-        and output for itself.
-
-        Parameters
-        ----------
-        points, extrapolate
-            As for `predict`.
-        n : int
-            Draws, >= 1.
-        seed : int
-            The same seed gives the same draws.
-        together : bool
-            Whether points are drawn together, 3,000 of them at most; else each for itself, with its outputs together.
-
-        Returns
-        -------
-        Dataset
-            `<output>` over `sample`, then the broadcast dimensions.
-
-        Raises
-        ------
-        OutOfBoxError, ValueError
-            As for `predict`; n below one; more points than are drawn together; a model whose file, of an earlier
-            version, kept no rows of its calibration.
-        """
-        if n < 1:
-            raise ValueError(f"n {n} must be at least 1")
-        named, (mean, std), flags = self._asked(points, True, extrapolate)
-        share = self._shares(named.X, n, np.random.default_rng(seed), together)
-        deviations = self.distribution.inverse(share.reshape(len(share), -1)).reshape(share.shape)
-        return self._stacked("sample", mean[:, None] + deviations * std[:, None], named, flags)
-
-    def _shares(self, X: Array, n: int, random: np.random.Generator, together: bool) -> Array:
-        """Draw a probability for every output and point (m, d): (p, n, m)."""
-        if self.calibration_ is None:
-            return random.uniform(np.finfo(float).tiny, 1, (len(self.outputs_), n, len(X)))
-        copula = self.calibration_.copula
-        if copula is None:
-            raise ValueError("the model's file kept no rows of its calibration to draw together: `make run` anew")
-        if not together:
-            alone = copula.drawn(np.zeros((len(copula.lengths), 1)), n * len(X), random)
-            return alone.reshape(len(self.outputs_), n, len(X))
-        if len(X) > MOST_POINTS:
-            raise ValueError(
-                f"{len(X)} points are more than the {MOST_POINTS} that are drawn together; together=False draws each "
-                "for itself"
-            )
-        return copula.drawn(self.calibrated_at(X), n, random)
 
     def ends_of_sum(self, X: NDArray[np.floating[Any]], weights: Array, level: float | None = None) -> Array:
         """Return the ends of the interval of a weighted sum of outputs at points, less its mean.

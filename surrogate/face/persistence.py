@@ -18,7 +18,6 @@ from surrogate.data.factorial import MOST_OF_A_FACTOR
 from surrogate.data.inputs import COLUMNS, Input, physical_points, stored_inputs
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face.model import SMALLEST, GaussianProcess
-from surrogate.face.region import Region
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.distribution import NOMINAL
 
@@ -107,8 +106,6 @@ def nested(model: GaussianProcess) -> xr.Dataset:
     learnt = model.calibration_
     if learnt is not None and not any(member.calibration_ is learnt for member in members.values()):
         whole = whole.assign(learnt.state())
-    if model.region_ is not None:
-        whole = whole.merge(model.region_.state())
     for name, member in members.items():
         whole = whole.merge(_prefixed(name, nested(member)), combine_attrs="no_conflicts")
     return whole
@@ -204,7 +201,6 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
     model.made_from_ = str(stored.attrs.get("made_from", ""))
     model = model.over(members)
     model.level_ = float(stored.attrs.get("level", NOMINAL))
-    model.region_ = Region.restore(stored, len(inputs))
     own_calibration = Calibration.restore(stored, model.parts, len(inputs), len(outputs))
     if own_calibration is not None:
         model.calibration_ = own_calibration

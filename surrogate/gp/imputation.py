@@ -33,40 +33,21 @@ _LIGHTEST = -300.0
 
 def fit(make: Callable[[], GridGP], data: xr.Dataset, missing: Flags) -> GridGP:
     """Fit a grid's process to a factorial that lacks some cases."""
-    return filled(make, data, dict.fromkeys(map(str, data.data_vars), missing))[1]
-
-
-def filled(make: Callable[[], GridGP], data: xr.Dataset, missing: dict[str, Flags]) -> tuple[xr.Dataset, GridGP]:
-    """Fill a factorial that lacks some cases of some outputs, and fit a grid's process to it."""
-    data = data.map(lambda array: array.copy(data=_nearest(array.values, missing[str(array.name)])))
-    alike: dict[bytes, list[str]] = {}
-    for name, flags in missing.items():
-        if flags.any():
-            alike.setdefault(flags.tobytes(), []).append(name)
+    nearest = tuple(distance_transform_edt(missing, return_distances=False, return_indices=True))
+    data = data.map(lambda array: array.copy(data=array.values[nearest]))
     model = make().fit(data)
     for _ in range(ROUNDS):
         moved = 0.0
-        offsets = dict(zip(model.outputs_, model.offset_.tolist(), strict=True))
-        for names in alike.values():
-            where = missing[names[0]]
-            stacked = np.stack([data[name].values - offsets[name] for name in names], -1)
-            filling = expected(model.factors_, stacked, where)
-            for k, name in enumerate(names):
-                values = data[name].values
-                new = filling[:, k] + offsets[name]
-                moved = max(moved, float(np.abs(new - values[where]).max() / (np.ptp(values) or 1.0)))
-                values[where] = new
+        stacked = np.stack([data[name].values for name in model.outputs_], -1) - model.offset_
+        filling = expected(model.factors_, stacked, missing) + model.offset_
+        for name, new in zip(model.outputs_, filling.T, strict=True):
+            values = data[name].values
+            moved = max(moved, float(np.abs(new - values[missing]).max() / (np.ptp(values) or 1.0)))
+            values[missing] = new
         model = make().fit(data)
         if moved <= STILL:
             break
-    return data, model
-
-
-def _nearest(values: Array, missing: Flags) -> Array:
-    """The values with those of the nearest place where some are missing."""
-    if not missing.any():
-        return values
-    return np.asarray(values[tuple(distance_transform_edt(missing, return_distances=False, return_indices=True))])
+    return model
 
 
 def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:

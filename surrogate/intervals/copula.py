@@ -1,9 +1,7 @@
 """Joint distribution of errors: an empirical copula over outputs, a Gaussian kernel over points.
 
 The rows of held-out cases, every score as its rank among those of its output, are an empirical copula of the outputs
-(L. Ruschendorf, J. Stat. Plan. Inference 139 (2009) 3921): a row drawn is a joint draw at one point. At several points
-rows are mixed, as normal scores, by a Cholesky factor of the correlation over these. Marginal distributions stay
-uniform whatever is mixed, so that what a model makes of them is its own calibrated one.
+(L. Ruschendorf, J. Stat. Plan. Inference 139 (2009) 3921): the sum of a row is a joint draw at one point.
 
 The error of interpolation on Chebyshev-Gauss levels is waves of equal width in the angle arccos(t): there the
 correlation exp(-sum_k (angle_k - angle'_k)^2 / (2 length_k^2)) has one length everywhere.
@@ -21,15 +19,14 @@ from numpy.typing import NDArray
 from approximation.arrays import Array, Indices, blocks
 from surrogate.intervals.distribution import Distribution, central
 
-#: Most rows that are kept, and most points that are drawn together.
-MOST_ROWS, MOST_POINTS = 1000, 3000
+#: Most rows that are kept.
+MOST_ROWS = 1000
 # Cases and pairs of them that tell the lengths, and how far apart [rad] along every input those of a pair are at most.
 _CASES, _PAIRS, _APART = 10_000, 50_000, 1.0
 # How often pairs are chosen again, within so many lengths, and of how few at least.
 _ROUNDS, _NEAR, _FEWEST = 4, 1.2, 500
 # Logarithms of lengths [rad] before any case: normal about this one, with this standard deviation; and their bounds.
 _LIKELY, _SPREAD, _BOUNDS = 0.3, 1.5, (1e-3, 1e2)
-_ROUNDING = 1e-9  # added to the correlation's diagonal before it is decomposed
 _NEIGHBOURS_AT_ONCE = 512  # points whose correlations with all others are held at a time
 
 
@@ -61,21 +58,6 @@ class Copula:
         t, other: (d, n), (d, k), scaled coordinates.
         """
         return np.asarray(np.exp(-0.5 * _squares(_angles(t), _angles(other), self.lengths)))
-
-    def drawn(self, t: Array, draws: int, random: np.random.Generator) -> Array:
-        """Draw probabilities, uniform for every output and point, that go together.
-
-        t: (d, n); result: (p, draws, n).
-        """
-        n, (m, p) = t.shape[1], self.ranks.shape
-        row = random.integers(m, size=(draws, n))
-        # a rank stands for a whole m-th of the probability
-        share = (self.ranks[row] + random.uniform(np.finfo(float).tiny, 1, (draws, n, p))) / m
-        if n == 1:
-            return np.moveaxis(share, 2, 0)
-        root = np.linalg.cholesky(self.near(t, t) + _ROUNDING * np.eye(n))
-        root /= np.sqrt((root**2).sum(axis=1, keepdims=True))
-        return np.asarray(scipy.special.ndtr(np.einsum("sj,njp->pns", root, scipy.special.ndtri(share), optimize=True)))
 
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""

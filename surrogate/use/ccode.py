@@ -107,7 +107,6 @@ class _Context:
         cosine = [_kernel(factor.decay, factor.unknown) for factor in first.factors_]
         degrees = np.zeros((1, len(first.factors_)), int) if calibration is None else calibration.trend_degree
         powers = [] if grouped is None else grouped.grouping.products.powers.tolist()
-        region = model.region_
         units = [self._unit(axis, f"x[{k}]") for k, axis in enumerate(first.inputs_)]
         if grouped is not None:
             units = [
@@ -145,11 +144,6 @@ class _Context:
             "grouped": bool(scales),
             "added_power": self.numbers(scales[0].added) if scales else [],
             "outer": outer is not None,
-            "box": outer is not None or region is not None,
-            "region": None if region is None else {
-                "degree": region.degrees.tolist(), "degrees": max(2, 1 + int(region.degrees.max())),
-                "coefficients": self.numbers(region.coefficients), "least": self.number(-region.least),
-            },
             "inputs": [
                 {
                     "macro": macro, "text": printable(_ranged(axis)), "low": self.number(axis.low),
@@ -287,12 +281,8 @@ class _Context:
         return table
 
     def _probes(self, outputs: Sequence[Rounded]) -> dict[str, Any]:
-        """The stored predictions of the surrogate's file, where it has answers, with the room of the rounding."""
-        model = outputs[0].model
-        probes = probe_points(model.inputs_)
-        points = probes[model.has_answers(probes)]
-        if not len(points):
-            raise ValueError("none of the surrogate's stored predictions lies where it has answers")
+        """The stored predictions of the surrogate's file, with the room of the rounding."""
+        points = probe_points(outputs[0].model.inputs_)
         answers = [
             (
                 part.exact.predict_array(points)[:, 0],

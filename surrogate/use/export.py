@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from approximation.arrays import Array
 from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
-from surrogate.face.region import Region
 from surrogate.gp.gridgp import GridGP
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.distribution import PROBABILITIES
@@ -60,8 +59,6 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
         sizes = np.hypot(grid.offset_, grid.scale_)
         for net, basis in zip(plain["curves"]["nets"], model.bases_, strict=True):
             net["whole"] = _fields(basis, sizes[net["scores"]])
-    if model.region_ is not None:
-        plain["region"] = _region(model.region_)
     exact: dict[str, Any] = _encoded(plain)
     return exact
 
@@ -130,19 +127,6 @@ def _fields(basis: Basis, sizes: Array) -> dict[str, Any]:
         values = row.astype(np.float32) if large else counts.astype(np.int16)
         rows.append({"step": 1.0 if large else STEP / size, "values": values.ravel()})
     return {"shape": list(whole.shape), "scales": basis.scales.tolist(), "rows": rows}
-
-
-def _region(region: Region) -> dict[str, Any]:
-    """The part of the box that has answers."""
-    return {
-        "degree": int(region.degrees.max()),
-        "degrees": region.degrees.tolist(),
-        "coefficients": region.coefficients,
-        "least": region.least,
-        "places": region.places,
-        "which": region.which.tolist(),
-        "reasons": list(region.reasons),
-    }
 
 
 def _encoded(plain: Any) -> Any:

@@ -57,9 +57,7 @@ class Inversion:
                 raise ValueError(f"{name!r} is not an output of the model")
         if len(infer) not in _FIRST or not measured:
             raise ValueError(f"one to three inputs can be inferred, from one or more outputs, not {len(infer)}")
-        # beyond the edge of the cases that have answers nothing can have been measured
-        self._model, self._at, self._answers = model.everywhere(), dict(known), model.has_answers
-        self._everywhere = model.region_ is None
+        self._model, self._at = model, dict(known)
         self._inputs: list[Input] = [model.box[name] for name in infer]
         self._columns = [list(model.outputs_).index(name) for name in measured]
 
@@ -74,7 +72,7 @@ class Inversion:
             raise ValueError(
                 f"measured values must be finite, their errors within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
             )
-        cells = self._answered(self._first)
+        cells = self._first
         for _ in range(_ROUNDS):
             density, far = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
             if far > _HOPELESS:  # all cells would be halved without end
@@ -84,7 +82,7 @@ class Inversion:
             coarse = changes.sum(-1) > _FINE
             if not coarse.any() or len(cells.centre) > _MOST_CELLS:
                 break
-            halves = self._answered(self._halved(cells.only(coarse), changes[coarse].argmax(-1)))
+            halves = self._halved(cells.only(coarse), changes[coarse].argmax(-1))
             cells = cells.only(~coarse).joined(halves)
         density, misfit = _log_density(cells, values, errors**2 + cells.std**2)
         weights = np.exp(density - density.max()) * np.prod(cells.half, axis=-1)
@@ -124,13 +122,6 @@ class Inversion:
         places = {input_.name: input_.from_unit(centre[:, k]) for k, input_ in enumerate(self._inputs)}
         columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
         return np.stack(columns, -1)
-
-    def _answered(self, cells: "_Cells") -> "_Cells":
-        """Return the cells whose middle has answers, or all cells if none has."""
-        if self._everywhere:
-            return cells
-        inside = self._answers(self._points(cells.centre))
-        return cells.only(inside) if inside.any() else cells
 
     def _forward(self, centre: Array) -> tuple[Array, Array]:
         """Mean and standard deviation of the measured outputs, (n, m), at scaled values of the inferred inputs."""

@@ -129,7 +129,7 @@ def _alone(model: GaussianProcess, name: str) -> GaussianProcess:
     if not (isinstance(alone, CurveGP) and isinstance(alone.smooth_, GridGP)):
         return alone
     smooth = copy(alone.smooth_)
-    smooth.calibration_, smooth.level_, smooth.region_ = alone.calibration_, alone.level_, alone.region_
+    smooth.calibration_, smooth.level_ = alone.calibration_, alone.level_
     return smooth
 
 
@@ -157,12 +157,11 @@ def _over(model: GaussianProcess, grid: GridGP) -> GaussianProcess:
 
 
 def _points(model: GaussianProcess, seed: int, count: int) -> Array:
-    """Points of the box where the model has answers, (n, d): spread evenly, and at ends of inputs."""
+    """Points of the box, (n, d): spread evenly, and at ends of inputs."""
     random = np.random.default_rng(seed)
     t = random.uniform(-1, 1, (len(model.inputs_), count))
     t = np.where(random.uniform(size=t.shape) < AT_ENDS, np.sign(t), t)
-    X = physical_points(model.inputs_, t)
-    return X[model.has_answers(X)]
+    return physical_points(model.inputs_, t)
 
 
 def _output(

@@ -87,13 +87,17 @@ def test_a_ball_on_a_film_is_the_point_solver_s(reach: float) -> None:
 
 
 def test_a_sliding_ball_presses_less_with_the_square_of_friction() -> None:
-    """docs/limits.md: at one depth -7.5e-4 of the force at 0.3; the force goes as the depth's power 3/2."""
+    """docs/limits.md: at one depth -7.5e-4 of force and -1.5e-3 of charge at 0.3; both go as the depth's power 3/2."""
     still, slow, fast = (
         Press(body(hexagonal(BTO), friction), (200.0, 200.0), 10.0).contact() for friction in (0.0, 0.3, 0.6)
     )
-    force = [(still.depth / state.depth) ** 1.5 - 1 for state in (slow, fast)]
+    deeper = [(still.depth / state.depth) ** 1.5 for state in (slow, fast)]
+    force = [ratio - 1 for ratio in deeper]
+    charge = [ratio * state.charge / still.charge - 1 for ratio, state in zip(deeper, (slow, fast), strict=True)]
     assert force[0] == pytest.approx(-7.5e-4, rel=0.02)
-    assert force[1] / force[0] == pytest.approx(4, rel=0.02)
+    assert charge[0] == pytest.approx(-1.5e-3, rel=0.03)
+    for neglected in (force, charge):
+        assert neglected[1] / neglected[0] == pytest.approx(4, rel=0.1)
     assert slow.centre[0] < 0
     assert fast.centre[0] / slow.centre[0] == pytest.approx(2, rel=0.01)
 

@@ -25,13 +25,95 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import quad
 from scipy.optimize import brentq, root
+from scipy.special import gamma, hyp2f1, rgamma, roots_jacobi
 
-from verification.oracles.profile import Profile
 from verification.oracles.surface_response import Array
-from verification.oracles.weighted_chebyshev import end_proof_nodes, moments, transforms
 
 _CUT_OFF = 1e-15  # of singular values
+_ABSCISSAE = np.linspace(-5.9, 5.9, 1181)  # of the double-exponential quadrature
 _PREFERENCE = 0.5  # from one order to the next: without it the two families cancel in high orders from 16 terms on
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A rigid punch."""
+
+    slope: Callable[[Array], Array]  # dg/dx [1] at x [m], arrays
+    # Place x [m] of the right and of the left edge where the punch has its corner there; None for a smooth edge
+    sharp_trailing: float | None = None
+    sharp_leading: float | None = None
+
+    @property
+    def smooth(self) -> bool:
+        """Return True if both edges are smooth."""
+        return self.sharp_trailing is None and self.sharp_leading is None
+
+    @property
+    def sharp(self) -> bool:
+        """Return True if both edges are sharp."""
+        return self.sharp_trailing is not None and self.sharp_leading is not None
+
+
+def cylinder(radius: float) -> Profile:
+    """Circular punch in the parabolic approximation of theory section 1."""
+    return Profile(lambda x: x / radius)
+
+
+def circle(radius: float) -> Profile:
+    """The circle itself, for which there is no closed form: here the number of terms matters."""
+    return Profile(lambda x: x / np.sqrt(radius**2 - x**2))
+
+
+def flat(width: float, tilt: float = 0.0) -> Profile:
+    """Flat punch centred on x = 0."""
+    return Profile(lambda x: np.full_like(x, tilt), width / 2, -width / 2)
+
+
+def wedge(slope: float, corner: str = "leading") -> Profile:
+    """Triangular punch with its corner at x = 0."""
+    return _cornered(lambda x: np.full_like(x, slope if corner == "leading" else -slope), corner)
+
+
+def half_cylinder(radius: float, corner: str = "leading") -> Profile:
+    """Half of the cylinder with its corner at x = 0."""
+    return _cornered(lambda x: x / radius, corner)
+
+
+def _cornered(slope: Callable[[Array], Array], corner: str) -> Profile:
+    return Profile(slope, sharp_leading=0.0) if corner == "leading" else Profile(slope, sharp_trailing=0.0)
+
+
+def moments(A: float, B: float, count: int) -> Array:
+    """(1/pi) int (1-X)^A (1+X)^B T_n dX, n < count, by Gauss-Jacobi quadrature."""
+    with np.errstate(invalid="ignore"):  # at A + B = -1 SciPy computes 0/0 for an entry that it does not use
+        x, w = roots_jacobi(count, A, B)
+    out: Array = w @ np.polynomial.chebyshev.chebvander(x, count - 1) / np.pi
+    return out
+
+
+def transforms(X: Array, A: float, B: float, count: int) -> Array:
+    """(1/pi) PV int (1-s)^A (1+s)^B T_n(s)/(s-X) ds, (count, points).
+
+    The first from Erdogan, Gupta and Cook (Methods of Analysis and Solutions of Crack Problems, 1973, chapter 7), the
+    others from T_n+1 = 2 X T_n - T_n-1.
+
+    X: (points,), |X| < 1.
+    """
+    mean = moments(A, B, max(count, 2))
+    out = np.empty((max(count, 2), len(X)))
+    factor = 2 ** (A + B) * gamma(A) * gamma(B + 1) * rgamma(A + B + 1) / np.pi
+    out[0] = (1 - X) ** A * (1 + X) ** B / np.tan(np.pi * A) - factor * hyp2f1(1, -A - B, 1 - A, (1 - X) / 2)
+    out[1] = X * out[0] + mean[0]
+    for n in range(1, len(out) - 1):
+        out[n + 1] = 2 * (X * out[n] + mean[n]) - out[n - 1]
+    return out[:count]
+
+
+def end_proof_nodes() -> tuple[Array, Array, Array]:
+    """1 - X, 1 + X and weights of double-exponential quadrature over -1 < X < 1, whatever the exponents at the ends."""
+    growth = np.exp(np.pi * np.sinh(_ABSCISSAE))
+    right, left = 2 / (1 + growth), 2 / (1 + 1 / growth)
+    return right, left, (_ABSCISSAE[1] - _ABSCISSAE[0]) * np.pi * np.cosh(_ABSCISSAE) * right * left / 2
 
 
 @dataclass(frozen=True, eq=False)

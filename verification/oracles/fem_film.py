@@ -21,9 +21,8 @@ from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import SuperLU, splu
 from scipy.special import eval_chebyt, eval_jacobi, gamma
 
-from verification.oracles.fem import FIELDS
 from verification.oracles.film_mesh import layered_mesh
-from verification.oracles.spectral import Body, Index
+from verification.oracles.spectral import FIELDS, Body, Index
 from verification.oracles.surface_response import STIFFNESS, UNITS, Array, reduced, surface_response
 
 ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, psi)

@@ -1,8 +1,9 @@
 """Spectral elements in plane strain: quadrilaterals of any polynomial order, their inner nodes condensed.
 
-The weak form is that of :mod:`verification.oracles.fem`. The shapes are Lagrange polynomials on the Gauss-Lobatto-
-Legendre points of a bilinear quadrilateral. A matrix depends on the shape of an element, not on its size, so that rings
-of similar elements about a singular point, however many, cost as much as one ring.
+Weak form: int S(G(v)) . G(u) = int t . v over the surface, with G = (eps_xx, eps_yy, 2 eps_xy, grad phi, grad psi) and
+the fluxes S = (sigma_xx, sigma_yy, sigma_xy, D_x, D_y, B_x, B_y) = M G. The shapes are Lagrange polynomials on the
+Gauss-Lobatto-Legendre points of a bilinear quadrilateral. A matrix depends on the shape of an element, not on its size,
+so that rings of similar elements about a singular point, however many, cost as much as one ring.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,13 +14,40 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from verification.oracles.fem import ALONG, DOWN, constitutive_matrix
 from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 Index = NDArray[np.int64]
+FIELDS = (
+    "stress_xx",
+    "stress_yy",
+    "stress_xy",
+    "electric_displacement_x",
+    "electric_displacement_y",
+    "magnetic_induction_x",
+    "magnetic_induction_y",
+)
+# G = ALONG u,x + DOWN u,y with u = (u_x, u_y, phi, psi): equations (2)
+ALONG = np.zeros((7, 4))
+ALONG[[0, 2, 3, 5], [0, 1, 2, 3]] = 1.0
+DOWN = np.zeros((7, 4))
+DOWN[[2, 1, 4, 6], [0, 1, 2, 3]] = 1.0
 _SIGNS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # corners in the reference square, in their order
 _CLOSE = 1e-9  # to an element, in its own size
 _PLACE_STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
+
+
+def constitutive_matrix(material: Mapping[str, float]) -> Array:
+    """M of the fluxes, equations (1a)-(1c); shape (7, 7), SI units."""
+    m = material
+    M = np.zeros((7, 7))
+    M[:3, :3] = [[m["c11"], m["c13"], 0], [m["c13"], m["c33"], 0], [0, 0, m["c44"]]]
+    for row, (k31, k33, k15) in ((3, ("e31", "e33", "e15")), (5, ("f31", "f33", "f15"))):
+        coupling = np.array([[0, 0, m[k15]], [m[k31], m[k33], 0]])
+        M[row : row + 2, :3], M[:3, row : row + 2] = coupling, coupling.T
+    M[3:5, 3:5] = -np.diag([m["eps11"], m["eps33"]])
+    M[3:5, 5:], M[5:, 3:5] = (-np.diag([m["g11"], m["g33"]]),) * 2
+    M[5:, 5:] = -np.diag([m["mu11"], m["mu33"]])
+    return M
 
 
 @dataclass(frozen=True, eq=False)

@@ -411,6 +411,16 @@ class State:
         return -total * DISPLACEMENT_FIELD * float(np.linalg.det(self.axes))
 
     @property
+    def odd_tractions(self) -> tuple[Array, Array, Array]:
+        """Radii over the contact's radius, and what pressure [Pa] and D_z [C/m2] have of cos(angle); (place,) each."""
+        nested = self.press.nest
+        r = nested.radii[:-1]
+        density = nested.densities[1, :-1].copy()
+        density[:, -1] = np.where(r < 1, _density(1, r, np.ones_like(r)), 0.0)
+        stress, charge = self.values[:, 1] @ density.T
+        return r, -STRESS * stress, DISPLACEMENT_FIELD * charge
+
+    @property
     def central_pressure(self) -> float:
         """Pressure in the middle of the ellipse [Pa]."""
         nested = self.press.nest

@@ -25,8 +25,8 @@ from solver.arrays import Array
 from solver.face.solution import solve
 from solver.halfplane.sliding import Punch
 from solver.line.windows import Coat, Kind, constants_of, number_of
+from solver.material.composite import compose
 from solver.material.constants import Material
-from solver.material.laws import compose
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH, find_punch
 from solver.point.profile import SAMPLES, Shape

@@ -10,9 +10,9 @@ from markupsafe import Markup
 
 from solver import units
 from solver.face.strain import DEEP, WIDE
-from solver.halfplane.shape import digamma_series
+from solver.halfplane.sliding import digamma_series
+from solver.material.composite import compose
 from solver.material.constants import UNITS, VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
-from solver.material.laws import compose
 from solver.material.library import find, materials
 from solver.material.punches import punches
 from solver.names import ALL_QUANTITIES, FACTORS, LIMITS

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from solver.names import ALL_QUANTITIES
 from storage.files import output
-from surrogate import GaussianProcess, OutOfBoxError, save
+from surrogate import GaussianProcess, save
 from surrogate.data.measurements import Measurements
 from surrogate.data.points import outside
 from surrogate.transforms.measured.corrected import CorrectedGP
@@ -45,10 +45,6 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
         raise InputError(
             f"{table.at(int(row))}: {axis.name} = {X[row, k]:.10g} is outside the trained box {axis.range_text()}"
         )
-    if not (answers := model.has_answers(X)).all():
-        row = int((~answers).argmax())
-        with located(table.at(row), OutOfBoxError):
-            model.require_answers(X[row : row + 1])
     named = _kinds(table, study)
     rows, outputs, values, errors = [], [], [], []
     for name in quantities:

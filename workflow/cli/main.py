@@ -188,16 +188,15 @@ COMMANDS = {
             metavar="NAME=VALUE,...",
             help="'input_capacitance=10 pF,input_resistance=1 GOhm'",
         ),
-        _option("--scale", metavar="'NUMBER N/V'", help="force of a volt, for a force recorded as a voltage"),
         _option("--temperature", default="293.15", metavar="K", help="temperature of the circuit; default: 293.15"),
         _option("--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"),
         _written(csv="CSV"),
         _MATERIALS,
         description=(
-            "HISTORY is a text file with columns of time and force, in units that its header says; a line contact "
-            "may have a load [N/m]; a film may have the temperature [K or degC] of what touches it. Titles, "
-            "remarks and other columns are skipped. Force and temperature are linear between the rows. The "
-            "circuit begins without voltage. docs/signal.md has the circuit and its signs."
+            "HISTORY is a table with the columns time and force, in units that its header says; a line contact "
+            "may have a load [N/m]; a film may have the temperature [K or degC] of what touches it. Force and "
+            "temperature are linear between the rows. The circuit begins without voltage. docs/signal.md has the "
+            "circuit and its signs."
         ),
     ),
     "export": _command(
@@ -292,7 +291,7 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
-            raise argparse.ArgumentError(action, f"{value!r} is none; {nearest(str(value), list(action.choices))}")
+            raise argparse.ArgumentError(action, f"{value!r} is unknown; {nearest(str(value), list(action.choices))}")
 
     def error(self, message: str) -> NoReturn:
         """Report bad usage in one line, without the usage text."""

@@ -15,6 +15,7 @@ from solver.material.constants import TRIGONAL, UNITS
 from solver.material.cuts import rotation
 from solver.material.datasheet import strain_charge, stress_matrices
 from solver.names import COMPOSITES, FACTORS, LIMITS, THERMAL
+from solver.units import VACUUM_PERMITTIVITY
 from workflow.cli.words import printable
 from workflow.language.numbers import shown
 from workflow.study.reading import InputError, read_material
@@ -92,6 +93,9 @@ def _described(material: Material, half: HalfPlane | None) -> str:
     lines = [f"{_in_line(material.name)}: admissible"]
     lines += [_filled(label, text) for label, text in texts if text]
     lines += ["a conductor: one potential inside, its permittivity has no part"] if material.conductor else []
+    vacuum = [name for name in ("eps11", "eps33") if getattr(material, name) == VACUUM_PERMITTIVITY]
+    if vacuum and _coupling(material) not in ("elastic", "piezomagnetic"):
+        lines.append(f"note: {' and '.join(vacuum)} of vacuum, as of a file that has no {' and no '.join(vacuum)}")
     lines.append("constants")
     lines += [_constant(material, name) for name in UNITS if not np.isnan(getattr(material, name))]
     lines += [_constant(material, name) for name in TRIGONAL if getattr(material, name)]

@@ -153,17 +153,11 @@ def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
 
 
 @contextmanager
-def busy(words: str) -> Iterator[Callable[[str], None]]:
-    """Say on a terminal what takes a while, until it is done; nothing in a log. What is given says what comes next."""
-    terminal = sys.stderr.isatty()
-
-    def tell(words: str) -> None:
-        if terminal:
-            print(f"{_CLEAR}{words} ...", end="", file=sys.stderr, flush=True)
-
-    tell(words)
+def busy(words: str) -> Iterator[None]:
+    """Say on a terminal what takes a while, until it is done; nothing in a log."""
+    said, clear = (f"{_CLEAR}{words} ...", _CLEAR) if sys.stderr.isatty() else ("", "")
+    print(said, end="", file=sys.stderr, flush=True)
     try:
-        yield tell
+        yield
     finally:
-        if terminal:
-            print(_CLEAR, end="", file=sys.stderr, flush=True)
+        print(clear, end="", file=sys.stderr, flush=True)

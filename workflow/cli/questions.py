@@ -2,7 +2,7 @@
 
 import argparse
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -51,8 +51,8 @@ _UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing
 def design(options: argparse.Namespace) -> None:
     """Answer a design question, as the options say."""
     path = None if options.output is None else file_to_write(options.output)
-    with busy("searching") as tell:
-        answer = ask(options.results, vars(options), tell)
+    with busy("searching"):
+        answer = ask(options.results, vars(options))
     if path is not None:
         write_text(path, f"{table.as_json(answer)}\n" if path.suffix == ".json" else table.as_csv([answer]))
         say(f"wrote {options.output}: {verdict(answer)}")
@@ -120,9 +120,7 @@ def _usual(study: Study, name: str) -> str:
     return usual if usual in study.categories[name] else ""
 
 
-def ask(
-    folder: Path, words: Mapping[str, Sequence[str] | None], tell: Callable[[str], None] = lambda words: None
-) -> Answer:
+def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
     """Answer a question from the results of a study."""
     study, model = results(folder)
     question = target(study, words)
@@ -130,7 +128,7 @@ def ask(
         check_target(study, "design", question)
     except ValueError as error:
         raise InputError(str(error)) from None
-    answer = targets.answer(study, "question", question, model, tell)
+    answer = targets.answer(study, "question", question, model)
     if not answer.feasible:
         point = [f"{name} = {kind}" for name, kind in answer.combination.items()]
         point += [f"{variable.name} = {variable.value:.6g}" for variable in answer.variables]

@@ -17,7 +17,6 @@ from solver.face.materials import material_of
 from solver.heat.charge import HeatError
 from storage.files import output, writing
 from workflow.cli.casetable import one_case, read_cases
-from workflow.cli.forcehistory import MOST_ROWS, ForceFile, read_history
 from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
@@ -32,7 +31,13 @@ from workflow.study.sections import Amplifier, Device
 _MOST_WRITTEN = 1_000_000  # rows of a table of the signal
 _WRITTEN_TOGETHER = 2**16  # rows
 _MOST_PARTS = 1000
+_MOST_TIMES = 10_000_000
 _ROUGH = 1e-6  # of curves that are told to be rough
+_NOISE = 0.02  # of the largest force, down to which a force below 0 counts as noise
+_CELSIUS, _FREEZING = "temperature [degC]", 273.15  # its zero [K]
+#: Columns of a history beside force or load, with their units.
+_COLUMNS = {"time": "s", "temperature": "K", _CELSIUS: "1"}
+_NEEDS = "a history has the columns time and force, as 'time [s],force [N]'; a line may have load [N m-1]"
 
 
 def signal(options: argparse.Namespace) -> None:
@@ -46,21 +51,17 @@ def signal(options: argparse.Namespace) -> None:
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
     length = numbers.get("electrode_length", 1.0)
-    file = read_history(options.history, line=kind.contact == "line", scale=options.scale)
-    forces = file.history.forces * (length if file.per_metre else 1.0)
-    history = History(file.history.times, forces, file.history.temperatures)
-    if len(history.times) * options.parts > MOST_ROWS:
-        raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {MOST_ROWS} times")
+    history, bare = read_history(options.history, length if kind.contact == "line" else None)
+    if len(history.times) * options.parts > _MOST_TIMES:
+        raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {_MOST_TIMES} times")
     most = float(history.forces.max())
     material = material_of(Cases(checked({**case, kind.loads.force: most}), materials, ("BaTiO3", "CoFe2O4")))
-    if file.bare:
-        _check_unit(options.history, file, most, solve({**case, kind.loads.force: most / length}, materials=materials))
+    if bare:
+        _check_unit(options.history, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
     with located("--device"):
         circuit = Circuit.of(numbers, material)
-    for remark in file.remarks:  # bad input ends in one line, without remarks before it
-        say(f"{options.history}: {remark}")
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     history = history.divided(options.parts)
@@ -76,6 +77,42 @@ def signal(options: argparse.Namespace) -> None:
     count = len(history.times)
     thinned = "" if written == count else f" of {count}: in groups, the first and the extremes of force and voltage"
     say(f"wrote {path}: {written} times{thinned}")
+
+
+def read_history(path: Path, length: float | None) -> tuple[History, bool]:
+    """Read a history, and whether its force has no unit; a line's load is multiplied by its length [m]."""
+    table = read_cases(path, _COLUMNS)
+    pressing = next((name for name in ("force", "load") if name in table.columns), "force")
+    if length is None and pressing == "load":
+        raise InputError(f"{path}: load: a point contact has none; {_NEEDS}")
+    if unknown := next((name for name in table.columns if name not in (pressing, *_COLUMNS)), None):
+        raise InputError(f"{path}: {unknown}: is no column of a history; {_NEEDS}")
+    times, forces = (table.numbers(name, _NEEDS) for name in ("time", pressing))
+    if table.count < 2:
+        raise InputError(f"{path}: {table.count} row; a history has two or more")
+    warm = next((name for name in ("temperature", _CELSIUS) if name in table.columns), None)
+    temperatures = None if warm is None else table.numbers(warm, _NEEDS)
+    if temperatures is not None:
+        temperatures = temperatures + (_FREEZING if _CELSIUS in table.columns else 0.0)
+        if (cold := ~(temperatures > 0)).any():
+            row = int(cold.argmax())
+            raise InputError(f"{table.at(row)}: temperature: {temperatures[row]:g} K is not a finite number > 0 [K]")
+    if (back := np.diff(times) <= 0).any():
+        row = int(back.argmax()) + 1
+        jump = ""
+        if temperatures is not None and times[row] == times[row - 1] and temperatures[row] != temperatures[row - 1]:
+            jump = f", from {temperatures[row - 1]:g} to {temperatures[row]:g} K: no temperature jumps without time"
+        raise InputError(f"{table.at(row)}: time: {times[row]:g} is not after {times[row - 1]:g}{jump}")
+    if not forces.any():
+        raise InputError(f"{path}: {pressing}: is 0 all the time; nothing presses")
+    if forces.min() < -_NOISE * forces.max():
+        row = int(forces.argmin())
+        raise InputError(
+            f"{table.at(row)}: {pressing}: {forces[row]:g} is not a finite number >= 0; subtract the load cell's "
+            "offset, or leave out what pulls"
+        )
+    scale = length or 1.0 if pressing == "load" else 1.0
+    return History(times, np.maximum(forces, 0.0) * scale, temperatures), pressing == "force" and "force" in table.bare
 
 
 def _warmth(
@@ -156,11 +193,11 @@ def _plain(text: str) -> float | str:
         return text
 
 
-def _check_unit(path: Path, file: ForceFile, most: float, solved: xr.Dataset) -> None:
+def _check_unit(path: Path, most: float, solved: xr.Dataset) -> None:
     """Refuse a bare force whose contact would be destroyed: it has probably lost its unit."""
     peak = float(solved["peak_pressure"].values.max()) if "peak_pressure" in solved else 0.0
-    if file.bare and DESTROYED < peak < np.inf:
-        raise InputError(f"{path}: {file.column}: {lost_unit(most, 'N', peak)}")
+    if DESTROYED < peak < np.inf:
+        raise InputError(f"{path}: force: {lost_unit(most, 'N', peak)}")
 
 
 def _write(path: Path, history: History, reading: Signal, heat: Array | None = None) -> int:

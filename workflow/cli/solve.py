@@ -20,10 +20,9 @@ import solver
 from approximation.arrays import Indices
 from solver import FactorError, Material, MaterialError, SmallStrainWarning, solve, solve_interior
 from solver.body import around, kind_of, solids
-from solver.face.attributes import of_output, united
-from solver.face.filmfactors import present, settled
+from solver.face.filmfactors import settled
+from solver.face.rows import joined
 from solver.face.strain import Excess, sentence
-from solver.fields import ACROSS, ALONG, EVERY_INTERIOR
 from solver.material.punches import RIGID_PUNCH
 from solver.names import (
     ALL_QUANTITIES,
@@ -55,8 +54,6 @@ _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not 
 _DEFAULTS |= {name: np.nan if name in FACTORS else "" for name in (*OF_A_FILM, *OF_A_PUNCH)}
 # choices by which cases have unlike outputs
 _APART = ("profile", "corner", "electric", "magnetic", "surroundings", "electrode")
-_ON_DATUM = {name: output for name, output in (ALL_QUANTITIES | EVERY_INTERIOR).items() if output.on_datum}
-_EMPTY = "no number where a case has none"
 _CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
 _CLOSED = 2**14  # of those in closed form
 _VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body
@@ -283,7 +280,7 @@ def solved(
     Contacts beyond small strain are warned of, or else join those that were found.
     """
     table = _surrounded(table)
-    whole, excesses = _Whole(table), list[Excess]()
+    excesses, parts, taken, size = list[Excess](), list[xr.Dataset](), list[Indices](), 0.0
     with tqdm(total=table.count, unit=" cases", delay=2, disable=None, leave=False) as bar:
         for names, rows in _blocks(table, min(_cases(table), max(1, _VALUES // points))):
             try:
@@ -297,13 +294,17 @@ def solved(
                     excesses += warning.message.excesses
                 else:
                     say(f"meecontact: warning: {warning.message}")
-            whole.add(rows, part)
+            size += part.nbytes
+            if size > _MOST_BYTES:
+                raise InputError(f"{table.source}: {table.count} cases give more than {_MOST_BYTES} bytes; split it")
+            parts.append(part)
+            taken.append(rows)
             bar.update(len(rows))
     if strains is not None:
         strains += excesses
     elif excesses:
         say(f"meecontact: warning: {sentence(excesses, table.count)}")
-    return whole.dataset()
+    return joined(taken, parts)
 
 
 def _cases(table: Table) -> int:
@@ -379,64 +380,6 @@ def _explained(
     if isinstance(error, np.linalg.LinAlgError):
         return InputError(f"{where}: constants beyond what double precision can solve ({error})")
     return InputError(f"{where}: {error}")
-
-
-class _Whole:
-    """The answer to a table, filled block by block."""
-
-    def __init__(self, table: Table) -> None:
-        self._table, self._count = table, table.count
-        self._filled: dict[str, xr.Variable] = {}
-        self._coords: dict[str, None] = {}
-        self._some: set[str] = set()
-        self._attrs: dict[str, Any] = {}
-        self._bytes = 0.0
-
-    def add(self, rows: Indices, part: xr.Dataset) -> None:
-        """Take the answer to some rows in; what it lacks is no number there."""
-        if self._filled:
-            self._some |= self._filled.keys() ^ set(map(str, part.variables))
-        self._coords |= dict.fromkeys(map(str, part.coords))
-        self._attrs = united([self._attrs or part.attrs, part.attrs])
-        self._bytes += part.drop_vars(list(self._filled), errors="ignore").nbytes / len(rows) * self._count
-        if self._bytes > _MOST_BYTES:
-            raise InputError(
-                f"{self._table.source}: {self._count} cases give {self._bytes:.3g} bytes, "
-                f"more than {_MOST_BYTES}; split it"
-            )
-        for key, variable in part.variables.items():
-            name = str(key)
-            if name not in self._filled:
-                self._filled[name] = self._room(variable)
-            if "case" in variable.dims:
-                self._filled[name].values[rows] = variable.values
-
-    def dataset(self) -> xr.Dataset:
-        """All of it."""
-        arrays = {name: xr.DataArray(cells, dims="case") for name, cells in self._table.columns.items()}
-        kinds = present(arrays)
-        for name, variable in self._filled.items():
-            if (described := _ON_DATUM.get(name)) is not None:
-                having = [kind for kind in kinds if name in kind.every_quantity] or kinds
-                variable.attrs = of_output(described, arrays, having)
-        for name in self._some - self._coords.keys():
-            attrs = self._filled[name].attrs
-            attrs["comment"] = "; ".join([*([attrs["comment"]] if "comment" in attrs else []), _EMPTY])
-        if "position" in self._filled and len({kind.contact for kind in kinds}) > 1:
-            axes_name = f"{ALONG['long_name']}, {ACROSS['long_name']} of a point"
-            self._filled["position"].attrs = ALONG | {"long_name": axes_name}
-        coords = {name: variable for name, variable in self._filled.items() if name in self._coords}
-        return xr.Dataset(
-            {name: variable for name, variable in self._filled.items() if name not in coords}, coords, self._attrs
-        )
-
-    def _room(self, variable: xr.Variable) -> xr.Variable:
-        """A variable as long as the table; names as objects, which one long name does not widen."""
-        if "case" not in variable.dims:
-            return variable
-        number = variable.dtype.kind == "f"
-        empty = np.full((self._count, *variable.shape[1:]), np.nan if number else "", float if number else object)
-        return xr.Variable(variable.dims, empty, dict(variable.attrs))
 
 
 def _units(answer: xr.Dataset) -> dict[str, str]:

@@ -54,14 +54,14 @@ class Sheet:
 
     path: Path
     encoding: str
-    separator: str  # one character; a blank stands for any number of them
+    separator: str  # one character
 
     def open(self) -> TextIO:
         """The file as text."""
         return self.path.open(newline="", encoding=self.encoding)
 
-    def rows(self, file: TextIO, most_lines: int, *, remarks: bool = False) -> Iterator[tuple[int, list[str]]]:
-        """Rows that are neither blank nor, without ``remarks``, begin with #, each with its last line's number."""
+    def rows(self, file: TextIO, most_lines: int) -> Iterator[tuple[int, list[str]]]:
+        """Rows that are neither blank nor begin with #, each with its last line's number."""
         characters = 0
 
         def pieces() -> Iterator[str]:
@@ -72,12 +72,12 @@ class Sheet:
                     raise InputError(f"{self.path}: line {reader.line_num + 1}: longer than {_LONGEST_ROW} characters")
                 yield piece
 
-        reader = csv.reader(pieces(), strict=True, delimiter=self.separator, skipinitialspace=self.separator == " ")
+        reader = csv.reader(pieces(), strict=True, delimiter=self.separator)
         for row in islice(reader, most_lines):
             characters = 0
             if row and row[0].startswith("sep="):
                 continue
-            if any(map(str.strip, row)) and (remarks or not row[0].lstrip().startswith("#")):
+            if any(map(str.strip, row)) and not row[0].lstrip().startswith("#"):
                 yield reader.line_num, row
         if next(reader, None) is not None:
             raise InputError(f"{self.path}: more than {most_lines} lines")
@@ -85,11 +85,11 @@ class Sheet:
     @property
     def separators(self) -> str:
         """The separator in words."""
-        return _SEPARATORS.get(self.separator, "blanks")
+        return _SEPARATORS[self.separator]
 
 
-def sheet(path: Path, largest: int, *, blanks: bool = False) -> Sheet:
-    """Encoding and separator of a table's file, blanks too with ``blanks``; InputError if it is no text table."""
+def sheet(path: Path, largest: int) -> Sheet:
+    """Encoding and separator of a table's file; InputError if it is no text table."""
     if regular(path).stat().st_size > largest:
         raise InputError(f"{path}: larger than {largest} bytes")
     with path.open("rb") as file:
@@ -97,22 +97,23 @@ def sheet(path: Path, largest: int, *, blanks: bool = False) -> Sheet:
     for magic, what in _FORMATS.items():
         if head.startswith(magic):
             raise InputError(f"{path}: is {what}")
+    if path.suffix in (".yaml", ".yml"):
+        raise InputError(f"{path}: is YAML; a table is a text file (CSV), and --materials takes a material's file")
     if _MARKUP.match(head.removeprefix(b"\xef\xbb\xbf")):
         raise InputError(f"{path}: is a page of HTML or XML; save its table as CSV")
     encoding = _encoding(path, head)
     text = head.decode(encoding, errors="ignore")
     if control := re.search(r"[\x00-\x08\x0e-\x1b]", text):
         raise InputError(f"{path}: is no text file: it holds the character {control[0]!r}; a table is CSV in UTF-8")
-    separator = _separator(path, text, blanks)
+    separator = _separator(path, text)
     if separator in ";\t":
-        _refuse_both_marks(path, text, separator, half=blanks)
+        _refuse_both_marks(path, text, separator)
     return Sheet(path, encoding, separator)
 
 
-def _refuse_both_marks(path: Path, text: str, separator: str, *, half: bool) -> None:
-    """InputError for ``1.000`` in a table with decimal commas: it may be one thousand; ``half`` leaves titles out."""
-    lines = text.splitlines()
-    rows = [[cell.strip().strip('"') for cell in line.split(separator)] for line in lines[len(lines) // 2 * half :]]
+def _refuse_both_marks(path: Path, text: str, separator: str) -> None:
+    """InputError for ``1.000`` in a table with decimal commas: it may be one thousand."""
+    rows = [[cell.strip().strip('"') for cell in line.split(separator)] for line in text.splitlines()]
     if any(_WITH_COMMA.fullmatch(cell) for row in rows for cell in row):
         grouped = next((cell for row in rows for cell in row if _BY_POINTS.fullmatch(cell)), None)
         if grouped is not None:
@@ -140,33 +141,21 @@ def _encoding(path: Path, head: bytes) -> str:
     raise InputError(f"{path}: encoding: is neither UTF-8 nor UTF-16 ({reason.reason}); save it as 'CSV UTF-8'")
 
 
-def _separator(path: Path, text: str, blanks: bool) -> str:
+def _separator(path: Path, text: str) -> str:
     """The separator of most cells in the rows of a file's beginning."""
     quoted = re.sub(r'"[^"]*"', '""', text)
     lines = [line for line in quoted.splitlines()[:400] if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
         return ","
-    if blanks:
-        lines = lines[len(lines) // 2 :]  # behind the titles
     if (match := re.fullmatch("sep=(.)", lines[0].strip())) and match[1] in _SEPARATORS:  # as Excel writes it
         return match[1]
     counts = {mark: [line.count(mark) for line in lines] for mark in _SEPARATORS}
     for mark in ("\t", ";"):
-        if (counts[mark][0] and not blanks) or sum(map(bool, counts[mark])) > len(lines) / 2:
+        if counts[mark][0] or sum(map(bool, counts[mark])) > len(lines) / 2:
             return mark
-    if sum(map(bool, counts[","])) > len(lines) / 2 and not (blanks and _apart(lines)):
-        return ","
-    if blanks and _apart(lines):
-        return " "
-    if "|" in lines[0]:
+    if sum(map(bool, counts[","])) <= len(lines) / 2 and "|" in lines[0]:
         raise InputError(f"{path}: separator: columns are separated by '|'; use commas, semicolons or tabs")
     return ","
-
-
-def _apart(lines: list[str]) -> bool:
-    """Return whether most rows are numbers between blanks."""
-    numeric = [line.replace(",", ".").split() for line in lines]
-    return sum(len(cells) > 1 and all(map(is_number, cells)) for cells in numeric) > len(lines) / 2
 
 
 def is_number(text: str) -> bool:

@@ -142,7 +142,10 @@ def _parts(word: str) -> list[str]:
 def place(text: str, units: Mapping[str, str]) -> dict[str, float]:
     """Return the values of the option ``--at`` by name, in SI."""
     texts = named("--at", text, valued=True)
-    return {name: quantity(f"--at: {name}", value, units.get(name, "1")) for name, value in texts.items()}
+    for name in texts:
+        if name not in units:
+            raise InputError(f"--at: {name}: not an input of the surrogate; {nearest(name, list(units))}")
+    return {name: quantity(f"--at: {name}", value, units[name]) for name, value in texts.items()}
 
 
 def surrogate_file(text: str) -> Path:
@@ -160,9 +163,9 @@ def trained(path: Path) -> Path:
     if path.exists():
         return regular(path)
     folder = path.parent if path.name == _SURROGATE else path
-    said = f"{folder}: holds no {_SURROGATE}" if folder.is_dir() else f"{folder}: there is none"
+    said = f"{folder}: holds no {_SURROGATE}" if folder.is_dir() else f"{folder}: no such file or folder"
     studies = sorted(file.parent.name for file in Path("results").glob(f"*/{_SURROGATE}"))
-    known = f"STUDY: {nearest(folder.name, studies)}" if studies else "there is no study's here"
+    known = f"STUDY: {nearest(folder.name, studies)}" if studies else "results/ has none here"
     raise InputError(
         f"surrogate: {said}; must be results/STUDY, or a surrogate's file; {known}; `meecontact run STUDY` makes one"
     )

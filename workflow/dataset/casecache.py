@@ -9,7 +9,7 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from itertools import pairwise, product
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from approximation.arrays import Array
 from storage.described import standard
@@ -27,7 +28,6 @@ from storage.sealed import PARTIAL, FormatError
 from workflow.run import lock, provenance
 from workflow.run.joblog import log
 from workflow.study.model import Study
-from workflow.study.refusals import Solved, assembled, labelled, selected, sizes
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import Snakemake
@@ -41,6 +41,8 @@ _DAY = 86400.0
 #: Cases of a list that the solver is asked for at once, where none needs tables of its own: they share some.
 AT_A_TIME = 50
 
+Solved = Callable[[Mapping[str, Any]], xr.Dataset]
+_Cases = Mapping[str, xr.DataArray]
 _Part = dict[str, slice]
 
 
@@ -174,3 +176,35 @@ def _as_solved(stored: xr.Dataset, name: str) -> xr.Dataset:
     attributes_of_files = {*standard(stored), CHECKSUM, CASE}
     stored.attrs = {name: value for name, value in stored.attrs.items() if name not in attributes_of_files}
     return stored.drop_encoding()
+
+
+def assembled(parts: Sequence[tuple[_Part, xr.Dataset]], whole_sizes: Mapping[str, int]) -> xr.Dataset:
+    """Cases of several regions in one data set, without what a part lacks; NaN where no part lies."""
+    first_region, first = parts[0]
+    shared = first[[name for name in first.data_vars if all(name in part for _, part in parts)]]
+    variables: dict[str, xr.Variable] = {}
+    for name, variable in shared.variables.items():
+        if not set(first_region).isdisjoint(map(str, variable.dims)):
+            shape = [whole_sizes.get(str(dim), variable.sizes[dim]) for dim in variable.dims]
+            values = np.full(shape, np.nan if variable.dtype.kind == "f" else 0, variable.dtype)
+            for region, part in parts:
+                values[tuple(region.get(str(dim), slice(None)) for dim in variable.dims)] = part[name].values
+            variable = xr.Variable(variable.dims, values, variable.attrs)
+        variables[str(name)] = variable
+    coords = {name: variable for name, variable in variables.items() if name in shared.coords}
+    return xr.Dataset({name: variables[name] for name in map(str, shared.data_vars)}, coords, shared.attrs)
+
+
+def sizes(cases: _Cases) -> dict[str, int]:
+    """Length of every dimension of some cases."""
+    return {str(dim): size for array in cases.values() for dim, size in array.sizes.items()}
+
+
+def selected(cases: _Cases, region: Mapping[str, slice]) -> dict[str, xr.DataArray]:
+    """The cases of a region."""
+    return {name: array.isel(region, missing_dims="ignore") for name, array in cases.items()}
+
+
+def labelled(name: str, value: ArrayLike | xr.DataArray) -> xr.DataArray:
+    """Values of a factor, along itself where they are a sequence."""
+    return value if isinstance(value, xr.DataArray) else xr.DataArray(np.asarray(value), dims=(name,) * np.ndim(value))

@@ -2,57 +2,25 @@
 
 import csv
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import netCDF4
 import numpy as np
-import xarray as xr
 
 from storage.blocks import STATISTICS
-from storage.described import LICENSE
 from storage.netcdf import MAX_BYTES
 from storage.rootunits import unscaled
 from storage.sealed import check_seal
-from workflow.dataset import holes, similar
+from workflow.dataset import similar
 from workflow.dataset.batches import PLACE
-from workflow.language.factors import FACTORS
 from workflow.study import datum, grouped
 from workflow.study.model import Study
-from workflow.study.refusals import REASON, REFUSAL, masked
 from workflow.study.representatives import middles
-
-_WORDS = (
-    "arrayShape citeAs column containedIn equivalentProperty extract field fileProperty fileObject fileSet "
-    "format includes isArray isLiveDataset jsonPath key md5 parentField path recordSet references regex "
-    "repeated replace samplingRate separator source subField transform"
-)
-_CONTEXT: dict[str, Any] = {
-    "@language": "en",
-    "@vocab": "https://schema.org/",
-    "sc": "https://schema.org/",
-    "cr": "http://mlcommons.org/croissant/",
-    "rai": "http://mlcommons.org/croissant/RAI/",
-    "dct": "http://purl.org/dc/terms/",
-    "conformsTo": "dct:conformsTo",
-    "name": {"@container": "@language"},
-    "description": {"@container": "@language"},
-    "data": {"@id": "cr:data", "@type": "@json"},
-    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
-    "examples": {"@id": "cr:examples", "@type": "@json"},
-    **{word: f"cr:{word}" for word in _WORDS.split()},
-}
-_PAPER = (
-    "Elloumi, R., Kallel-Kamoun, I., El-Borgi, S., Guler, M. A.: On the frictional sliding contact problem between a "
-    "rigid circular conducting punch and a magneto-electro-elastic half-plane. Int. J. Mech. Sci., 2014"
-)
-_NETCDF = "application/x-netcdf"
 
 
 def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Path]) -> dict[str, Any]:
     """The card as plain data, from the slabs' headers and the times of the jobs that made them."""
-    lacking = _refused(study, slabs)
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
     variables = {key: _merged([file["variables"][key] for file in files]) for key in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
@@ -77,7 +45,6 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
         "files": [{key: file[key] for key in ("name", "levels", "bytes", "sha256")} for file in files],
         "variables": variables,
         "positions": files[0]["positions"],
-        **({"refused": lacking} if lacking else {}),
     }
 
 
@@ -98,22 +65,6 @@ def markdown(card: Mapping[str, Any]) -> str:
         words = " ".join(f"{factor}^{power:g}" for factor, power in powers.items()) or "1"
         alike.setdefault(words, []).append(name)
     return environment.get_template("datacard.md.j2").render(card, alike=alike)
-
-
-def _refused(study: Study, slabs: Sequence[Path]) -> dict[str, Any]:
-    """Number of refused places with their range and reasons; empty where the solver refuses none."""
-    parts = []
-    for slab in slabs:
-        with netCDF4.Dataset(slab, "r") as file:
-            dims = [*study.axes, *study.categories]
-            part = xr.Dataset(coords={name: np.asarray(file[name][:]) for name in dims if name in file.variables})
-            if REFUSAL in file.variables:
-                mask = xr.Variable(file[REFUSAL].dimensions, np.asarray(file[REFUSAL][:]))
-                part = masked(part, mask, file[REASON][:].tolist())
-        parts.append(part)
-    if not any(REFUSAL in part for part in parts):
-        return {}
-    return holes.summary(holes.joined(parts, next(iter(study.axes))), list(study.axes))
 
 
 def _groups(study: Study) -> dict[str, Any]:
@@ -138,8 +89,6 @@ def _groups(study: Study) -> dict[str, Any]:
 def _file(path: Path, first: str) -> dict[str, Any]:
     digest = check_seal(path, MAX_BYTES, digest=False)
     with netCDF4.Dataset(path, "r") as file:
-        mask = np.asarray(file[REFUSAL][:]) if REFUSAL in file.variables else np.zeros(1)
-        answered = np.count_nonzero(mask == 0) / mask.size
         return {
             "name": f"{path.parent.name}/{path.name}",
             "levels": file.dimensions[first].size,
@@ -149,7 +98,7 @@ def _file(path: Path, first: str) -> dict[str, Any]:
             "variables": {
                 name: {
                     "type": str(variable.dtype),
-                    "count": round(variable.size * answered),
+                    "count": variable.size,
                     "attributes": _attributes(variable),
                 }
                 for name, variable in file.variables.items()
@@ -180,83 +129,3 @@ def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 def _seconds(path: Path) -> float:
     with path.open(encoding="utf-8", newline="") as file:
         return sum(float(row["s"]) for row in csv.DictReader(file, delimiter="\t"))
-
-
-def croissant(card: Mapping[str, Any]) -> dict[str, Any]:
-    """Metadata of a data set as JSON-LD."""
-    files = [_file_object(file) for file in card["files"]]
-    slabs = {"@type": "cr:FileSet", "@id": "slabs", "name": "slabs", "includes": "fields/slab_*.nc"}
-    axes = [_field(name, *_axis(name, name in card["categories"])) for name in (*card["factors"], *card["categories"])]
-    outputs = [_output(name, variable, card) for name, variable in card["variables"].items()]
-    key = [{"@id": axis["@id"]} for axis in axes]
-    return {
-        "@context": _CONTEXT,
-        "@type": "sc:Dataset",
-        "conformsTo": "http://mlcommons.org/croissant/1.1",
-        "name": card["study"],
-        "description": f"{card['title']} {card['cases']:,} exact cases{_at(card['positions'])}.",
-        "version": version("meecontact"),
-        "license": LICENSE,
-        "citeAs": _PAPER,
-        "distribution": [*files, slabs | {"encodingFormat": _NETCDF}],
-        "recordSet": [{"@type": "cr:RecordSet", "@id": "cases", "name": "cases", "key": key, "field": axes + outputs}],
-        "variableMeasured": [_measured(name, variable) for name, variable in card["variables"].items()],
-    }
-
-
-def _at(positions: Sequence[float]) -> str:
-    return f", each at {len(positions)} positions" if positions else ""
-
-
-def _file_object(file: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        "@type": "cr:FileObject",
-        "@id": file["name"],
-        "name": file["name"],
-        "contentUrl": file["name"],
-        "contentSize": f"{file['bytes']} B",
-        "encodingFormat": _NETCDF,
-        "sha256": file["sha256"],
-    }
-
-
-def _field(name: str, description: str, kind: str) -> dict[str, Any]:
-    return {
-        "@type": "cr:Field",
-        "@id": f"cases/{name}",
-        "name": name,
-        "description": description,
-        "dataType": kind,
-        "source": {"fileSet": {"@id": "slabs"}, "extract": {"column": name}},
-    }
-
-
-def _axis(name: str, category: bool) -> tuple[str, str]:
-    """Return the meaning and type of an axis of the factorial."""
-    if category:
-        return f"{name} of the case", "sc:Text"
-    return f"{FACTORS[name].long_name}, in {FACTORS[name].units}", "sc:Float"
-
-
-def _output(name: str, variable: Mapping[str, Any], card: Mapping[str, Any]) -> dict[str, Any]:
-    """A field of every case: a number, or an array over the positions."""
-    attrs = variable["attributes"]
-    field = _field(name, f"{attrs['long_name']}, in {attrs['units']}", "sc:Float")
-    return field | (
-        {"isArray": True, "arrayShape": str(variable["count"] // card["cases"])}
-        if variable["count"] > card["cases"]
-        else {}
-    )
-
-
-def _measured(name: str, variable: Mapping[str, Any]) -> dict[str, Any]:
-    attrs = variable["attributes"]
-    low, high = attrs["actual_range"]
-    return {
-        "@type": "PropertyValue",
-        "name": name,
-        "description": f"{attrs['long_name']}; mean {attrs['mean']:g}, deviation {attrs['standard_deviation']:g}",
-        "unitText": attrs["units"],
-        "minValue": low,
-        "maxValue": high,
-    }

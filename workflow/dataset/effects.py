@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+import solver  # whose maps of contacts in space are slow to import, and few studies have one
 from approximation.arrays import Array
-from solver import solve, solve_interior, solve_map
+from solver import solve, solve_interior
 from solver.body import HALF_PLANE
 from solver.fields import FIELDS, POINT_FIELDS
 from solver.names import FACTORS, OF_A_FILM
@@ -85,7 +86,8 @@ def maps(study: Study, factor: str) -> xr.Dataset:
     case, every = study.effects.case(factor), study.effects.vary[factor]
     values = [every[k] for k in dict.fromkeys((0, len(every) // 2, len(every) - 1))]
     solved = [
-        solve_map({**case, factor: value}, materials=study.own_materials, phases=study.phases) for value in values
+        solver.solve_map({**case, factor: value}, materials=study.own_materials, phases=study.phases)
+        for value in values
     ]
     x, y = (_window([data[axis].values for data in solved]) for axis in ("x", "y"))
     together = [data.interp(x=x, y=y, method="linear").fillna(0.0) for data in solved]

@@ -1,6 +1,6 @@
 """The factorial of a study: its axes, its exact cases, and random cases in the same box."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,11 +11,10 @@ from solver.names import ALL_QUANTITIES
 from surrogate import Grouping, Input, chebyshev_levels
 from surrogate.data.points import EVEN
 from workflow.dataset import draws, similar
-from workflow.dataset.casecache import CaseCache
+from workflow.dataset.casecache import CaseCache, labelled, selected, sizes
 from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
-from workflow.study.refusals import AllRefusedError, answered, refused
 
 #: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
@@ -83,16 +82,15 @@ def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
 def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset:
     """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
 
-    Those for calibration have the curves that the surrogate learns, where it can correct them. Those that the solver
-    refuses are masked.
+    Those for calibration have the curves that the surrogate learns, where it can correct them.
     """
     number, key = SAMPLES[name]
     ends = name == "calibration" and bool(study.groups) and not study.regions
     drawn, even = draws.sample(study, getattr(study.validation, key), (study.validation.seed, number), ends)
     if not ends:
-        return exact(study, drawn, curves=name == "calibration" and not study.groups, holes=np.inf, cache=cache)
+        return exact(study, drawn, curves=name == "calibration" and not study.groups, cache=cache)
     attributes = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
-    return exact(study, drawn, holes=np.inf, cache=cache).assign_coords({EVEN: ("case", even, attributes)})
+    return exact(study, drawn, cache=cache).assign_coords({EVEN: ("case", even, attributes)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
@@ -108,10 +106,9 @@ def exact(
     peaks: Collection[str] | None = None,  # largest stresses; None: those that the data set has
     regular: bool = False,  # whether the regular parts of the surface fields are wanted
     curves: bool = False,  # whether the curves that the surrogate learns are wanted
-    holes: float | None = None,  # most cases that may be refused, which are then masked; None: none
     cache: CaseCache | None = None,  # of what was solved before
 ) -> xr.Dataset:
-    """The exact solver at values of the axes (SI), for every category; FactorError, HolesError or AllRefusedError.
+    """The exact solver at values of the axes (SI), for every category; FactorError names a case that is refused.
 
     Values of all groups in place of factors make the factors coordinates. What is no number in some cases is left out.
     """
@@ -135,15 +132,39 @@ def exact(
     options |= {"positions": None if positions is None else list(map(float, positions))}
     entrance = whole if cache is None else cache.around(study, whole, options)
     try:
-        solved = entrance(factors) if holes is None else answered(entrance, factors, holes)
-    except AllRefusedError:
-        raise
+        solved = entrance(factors)
     except FactorError as error:
-        raise _named(study, *refused(entrance, factors, error)) from None
+        raise _named(study, *_refused(entrance, factors, error)) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
         solved = solved.assign_coords(along).transpose(*dict.fromkeys(axis.dims[0] for axis in along.values()), ...)
     return solved.drop_vars([name for name, quantity in ALL_QUANTITIES.items() if quantity.sparse and name in solved])
+
+
+def _refused(
+    solved: Callable[[Mapping[str, Any]], object], factors: Mapping[str, Any], reason: FactorError
+) -> tuple[dict[str, Any], FactorError]:
+    """Return factors and reason of one refused case, searched by halves; no factors where only several are refused."""
+    cases = {name: labelled(name, value) for name, value in factors.items()}
+    region = {dim: slice(0, size) for dim, size in sizes(cases).items()}
+    while True:
+        longest = max(region, key=lambda dim: _length(region[dim]), default="")
+        if not longest or _length(region[longest]) == 1:
+            return {name: array.item() for name, array in selected(cases, region).items()}, reason
+        whole = region[longest]
+        middle = (whole.start + whole.stop) // 2
+        for half in (slice(whole.start, middle), slice(middle, whole.stop)):
+            try:
+                solved(selected(cases, {**region, longest: half}))
+            except FactorError as error:
+                region, reason = {**region, longest: half}, error
+                break
+        else:
+            return {}, reason
+
+
+def _length(part: slice) -> int:
+    return int(part.stop - part.start)
 
 
 def _named(study: Study, case: Mapping[str, Any], reason: FactorError) -> FactorError:

@@ -10,7 +10,6 @@ import xarray as xr
 from storage.described import described
 from storage.netcdf import read_whole
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.levels.counts import decays
 from surrogate.levels.pilot import explore
 from workflow.dataset import factorial
 from workflow.run.joblog import log
@@ -20,8 +19,6 @@ from workflow.study.grouped import product
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 
-#: Levels along an axis whose scale is chosen, and of every other one.
-_TRIED, _ACROSS = 11, 3
 _MEANINGS = {
     "levels": "number of levels of every input",
     "pilot_levels": "number of levels of every input in the last pilot",
@@ -34,7 +31,6 @@ _MEANINGS = {
 
 def choose(study: Study) -> xr.Dataset:
     """Level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them."""
-    study = _with_scales(study)
     fixed_counts = {name: axis.levels for name, axis in study.axes.items() if axis.levels is not None}
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
@@ -65,43 +61,10 @@ def choose(study: Study) -> xr.Dataset:
         extrapolated=("input", [int(name in choice.extrapolated) for name in names]),
         predicted_error=("output", list(choice.error.values())),
     )
-    if study.groups:
-        chosen["scale"] = "input", [study.axes[name].scale for name in names]
     title = "numbers of levels chosen for a tolerance"
     return described(chosen, title, SOURCE, MEANINGS | _MEANINGS).assign_attrs(
         tolerance=tolerance, budget=budget, pilot_cases=pilot.cases
     )
-
-
-def _with_scales(study: Study) -> Study:
-    """The study with a scale for every open group that says none: that along which coefficients fall fastest."""
-    for text, group in study.groups.items():
-        if group.scale is None and group.levels is None:
-            axis = study.axes[product(text).name]
-            scales = [
-                "linear",
-                *(["log"] if axis.low > 0 else []),
-                *(["logit"] if 0 < axis.low < axis.high < 1 else []),
-            ]
-            tried = [_with_scale(study, text, scale) for scale in scales]
-            study = min(tried, key=lambda candidate: _error_along(candidate, product(text).name))
-            log.info("%s: a %s scale", text, study.groups[text].scale)
-    return study
-
-
-def _with_scale(study: Study, text: str, scale: str) -> Study:
-    groups = {**study.groups, text: study.groups[text].model_copy(update={"scale": scale})}
-    return study.model_copy(update={"groups": groups})
-
-
-def _error_along(study: Study, name: str) -> float:
-    """Largest predicted error of any output on a line of `_TRIED` levels of one axis."""
-    inputs = factorial.axis_inputs(study)
-    axes = {input_.name: input_.levels(_TRIED if input_.name == name else _ACROSS) for input_ in inputs}
-    data = factorial.scaled(
-        study, factorial.training_data(study, factorial.exact(study, axes)), factorial.grouping(study)
-    )
-    return max(along[name].error(_TRIED) for along in decays(data, inputs).values())
 
 
 def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
@@ -112,9 +75,7 @@ def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
     counts = {str(name): int(chosen["levels"].sel(input=name)) for name in chosen["input"].values}
     parts: dict[str, Any] = {"factors": {}, "groups": {}}
     for text, group in study.groups.items():
-        name = product(text).name
-        scale = str(chosen["scale"].sel(input=name).item())
-        parts["groups"][text] = group.model_copy(update={"levels": counts[name], "scale": scale})
+        parts["groups"][text] = group.model_copy(update={"levels": counts[product(text).name]})
     for name, axis in study.factors.items():
         parts["factors"][name] = axis.model_copy(update={"levels": counts[name]}) if not study.groups else axis
     # as many slabs as the rules counted before any level was chosen

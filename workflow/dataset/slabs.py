@@ -6,8 +6,7 @@ number of slabs.
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from math import ceil, prod
 from pathlib import Path
@@ -21,31 +20,27 @@ from tqdm.auto import tqdm
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from solver import FactorError
 from solver.curves import REGIONS
 from solver.fields import ACROSS, ALONG, EVERY_FIELD, FIELDS
 from solver.names import ALL_QUANTITIES
 from storage.blocks import STATISTICS, Region, write_blocks
 from storage.netcdf import MAX_BYTES, read_whole
 from storage.sealed import check_seal
-from workflow.dataset import factorial, holes
+from workflow.dataset import factorial
 from workflow.dataset.casecache import CaseCache
 from workflow.run.joblog import log
 from workflow.study import partition
 from workflow.study.model import Study
-from workflow.study.refusals import MOST, REASON, REFUSAL
 
 CARD = "datacard.json"
 _FIELD_VALUES = 2**20  # values of a field that are solved at a time: some twenty temporaries of 8 MiB
 _CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
-_TRIES = 40  # places of which one is answered, as long as no more are missing than may be
 
 
 def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = None) -> None:
     """Solve one slab of the factorial exactly, and write it.
 
-    Shows cases done of all and the time left on a terminal. Cases that the solver refuses are masked, and the file says
-    why (`workflow.study.refusals`); a file without such a case is as it was before there were masks.
+    Shows cases done of all and the time left on a terminal.
     """
     axes = factorial.axes(study)
     first = next(iter(axes))
@@ -62,32 +57,19 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
         axes_of_part = {
             axis: levels[part_slice] for (axis, levels), part_slice in zip(axes.items(), region, strict=True)
         }
-        return factorial.exact(study, axes_of_part, positions, curves=True, holes=mask.left, cache=cache)
+        return factorial.exact(study, axes_of_part, positions, curves=True, cache=cache)
 
     def blocks() -> Iterator[tuple[Region, Mapping[str, NDArray[Any]]]]:
         with tqdm(total=cases, desc=name, unit=" cases", disable=None, leave=False) as bar:
             for region in regions:
-                yield region, mask.values(region, partial(part, region), frame)
+                yield region, {str(name): array.values for name, array in part(region).data_vars.items()}
                 bar.update(prod(part_slice.stop - part_slice.start for part_slice in region))
 
-    mask = holes.Mask(axes, MOST * study.cases)
-    frame = _frame(_one_case(study, axes, positions), axes, study.dataset.precision)
+    one_case = {axis: levels if axis in study.categories else levels[:1] for axis, levels in axes.items()}
+    frame = _frame(factorial.exact(study, one_case, positions, curves=True), axes, study.dataset.precision)
     chunks = {"position": _CHUNK_POSITIONS, **dict(zip(axes, chunk, strict=True))}
-    write_blocks(path, frame, blocks(), chunks, mask.stored)
-    log.info("%s: %d cases of %d%s", name, cases, study.cases, f", {mask.count} refused" if mask.count else "")
-
-
-def _one_case(study: Study, axes: Mapping[str, NDArray[np.float64]], positions: Iterable[float] | None) -> xr.Dataset:
-    """A case with all categories: the first of the slab, or if that is refused one that is not, tried at random."""
-    whole, random = factorial.axes(study), np.random.default_rng(0)
-    case = {axis: levels if axis in study.categories else levels[:1] for axis, levels in axes.items()}
-    for _ in range(_TRIES):
-        try:
-            return factorial.exact(study, case, positions, curves=True)
-        except FactorError as error:
-            refusal = error
-        case = {axis: case[axis] if axis in study.categories else random.choice(whole[axis], 1) for axis in axes}
-    raise refusal
+    write_blocks(path, frame, blocks(), chunks)
+    log.info("%s: %d cases of %d", name, cases, study.cases)
 
 
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
@@ -226,10 +208,7 @@ class Stacked(BackendArray):
 def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
     """Quantities of the whole factorial from its slabs, without the statistics of each slab."""
     names = [name for name in ALL_QUANTITIES if name in slabs[0]]
-    parts = [part[[*names, *(extra for extra in (REFUSAL, REASON) if extra in part)]] for part in slabs]
-    whole = holes.joined(parts, str(slabs[0][names[0]].dims[0]))
+    whole = xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
     for array in whole.data_vars.values():
         array.attrs = {key: value for key, value in array.attrs.items() if key not in STATISTICS}
-    if REFUSAL in whole:
-        holes.check(whole, [str(dim) for dim in whole[REFUSAL].dims if whole[dim].dtype.kind == "f"])
     return whole

@@ -70,6 +70,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         out[name] = ("time", values, {"units": units, "long_name": said})
     for name, value, units, said in (
         ("contact_charge", figures.charge, "C", "charge at zero volts, at the force that is held"),
+        ("contact_output", figures.output, "V", "output that this charge gives at once, without heat and bias current"),
         ("capacitance", figures.capacitance, "F", "capacitance of the contact at the force that is held"),
         ("time_constant", figures.time_constant, "s", "time constant of a constant force"),
         ("drop", figures.drop(DROP), "1", f"share that a constant force loses in {DROP:g} s"),

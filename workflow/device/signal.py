@@ -105,6 +105,7 @@ class Figures:
     """Figures of a contact and its circuit at the contact's largest force."""
 
     charge: float  # at zero volts [C]
+    output: float  # of a force that acts at once, before any charge leaks, without heat and bias current [V]
     capacitance: float  # of the contact [F]
     time_constant: float  # of a constant force [s]; infinite where nothing leaks
     noise: tuple[float, float, float]  # as charge [C], at the output [V] and as force [N], root mean square
@@ -115,9 +116,10 @@ class Figures:
         largest = np.array([contact.largest_force])
         charge, capacitance = float(contact.charge(largest)[0]), float(contact.capacitance(largest)[0])
         noise = circuit.noise(capacitance, temperature)
-        amplified = abs(circuit.gain) / (capacitance + circuit.capacitance)
+        amplified = -circuit.gain / (capacitance + circuit.capacitance)
         by_force = noise * contact.largest_force / abs(charge)
-        return cls(charge, capacitance, circuit.time_constant(capacitance), (noise, noise * amplified, by_force))
+        noises = (noise, noise * abs(amplified), by_force)
+        return cls(charge, charge * amplified, capacitance, circuit.time_constant(capacitance), noises)
 
     def drop(self, time: float) -> float:
         """Share that a constant force has lost after a time [s]."""

@@ -14,6 +14,8 @@ from workflow.device.signal import History
 
 _TERMS, _TIMES = 40, 120  # exponentials, and times at which they are fitted
 _SHORT = 1e-3  # of the mean step of a history: heat within less is not resolved
+_EARLIER = 20  # first fitted time over the shortest resolved one: a ramp integrates the steps from zero on
+_SINGULAR = 1e-8  # relative, of what is fitted: below it exponentials cancel one another
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +43,12 @@ class Warmth:
         """Warmth of a solved film below what a history presses on it; ``length`` [m] is that of a line."""
         whole = float(history.times[-1] - history.times[0])
         first = max(float(np.diff(history.times).min()), _SHORT * whole / (len(history.times) - 1)) / 2
-        times = np.geomspace(min(first, whole / 10), whole, _TIMES)
+        times = np.geomspace(min(first, whole / 10) / _EARLIER, whole, _TIMES)
         charges = length * responses(case, solved, times, materials, phases)[0]
-        rates = 1 / np.geomspace(times[0] / 200, 10 * times[-1], _TERMS)
+        rates = 1 / np.geomspace(times[0], 10 * times[-1], _TERMS)
         approach = -np.expm1(-times[:, None] * rates)
         scale = float(np.abs(charges).max()) or 1.0
-        sizes = np.linalg.lstsq(approach, charges / scale, rcond=1e-12)[0] * scale
+        sizes = np.linalg.lstsq(approach, charges / scale, rcond=_SINGULAR)[0] * scale
         return cls(rates, np.asarray(sizes, dtype=np.float64), float(np.abs(approach @ sizes - charges).max()) / scale)
 
     def charge(self, history: History) -> Array:

@@ -23,6 +23,7 @@ _USUAL: dict[str, tuple[float, float, str]] = {
     "patch_size": (1e-10, 0.5, "mm"),
     "patch_pitch": (1e-10, 0.5, "mm"),
     "patch_position": (0.0, 10.0, "mm"),
+    "friction": (0.0, 5.0, "%"),
     "load": (1e-9, 1e9, "mN/m"),
     "force": (1e-15, 1e8, "mN"),
     "charge": (1e-18, 1.0, "uC/m"),
@@ -57,7 +58,7 @@ def check_bare(name: str, value: float, units: str = "") -> None:
     """Raise UnitlessError for a bare number orders of magnitude outside of what a factor or device has."""
     least, most, usual = _USUAL.get(own_kind(name) or name, (0.0, float("inf"), ""))
     if 0 < abs(value) < least or most <= abs(value) < most * _IMPLAUSIBLE:
-        text = f"{value:g} {units or units_of(name)}"
+        text = f"{100 * value:g} %" if usual == "%" else f"{value:g} {units or units_of(name)}"
         usual = "mm" if usual == "um" and abs(value) < 1 else usual
         raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
 

@@ -7,10 +7,9 @@ from approximation.arrays import Array
 from surrogate import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.use.inversion import Inversion
-from workflow.dataset import factorial, holes
+from workflow.dataset import factorial
 from workflow.study.categories import output
 from workflow.study.model import Study
-from workflow.study.refusals import REASON, REFUSAL
 from workflow.study.sections import Readout, error
 
 _LEVEL = NOMINAL  # of the intervals
@@ -23,14 +22,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
     names = list(readout.measured)
     true = np.stack([input_.from_unit(random.uniform(-1, 1, readout.cases)) for input_ in inputs])
     true_points = {axis.name: xr.DataArray(row, dims="case") for axis, row in zip(inputs, true, strict=True)}
-    solved = factorial.exact(study.narrowed(readout.combination), {**readout.held, **true_points}, holes=np.inf)
-    if REFUSAL in solved or model.region_ is not None:
-        held = {name: np.full(readout.cases, value) for name, value in readout.held.items()}
-        points: dict[str, xr.DataArray | Array] = {**held, **true_points}
-        X = np.stack([np.asarray(points[name]) for name in model.box], -1)
-        usable = ~holes.refused(solved, ["case"]) & model.has_answers(X)
-        solved, true = solved.drop_vars([REFUSAL, REASON], errors="ignore").isel(case=usable), true[:, usable]
-        true_points = {name: values[usable] for name, values in true_points.items()}
+    solved = factorial.exact(study.narrowed(readout.combination), {**readout.held, **true_points})
     like = next(iter(true_points.values()))
     exact = np.stack([solved[name].broadcast_like(like).values for name in names], -1)
     measured = exact + _errors(readout, exact) * random.standard_normal(exact.shape)

@@ -316,14 +316,14 @@ def card(
     ]
     beyond = [*linearity.beyond(signal_study, held), *linearity.beyond_small_strain(signal_study, held, *sizes)]
     nearest = linearity.nearest(signal_study, held)
-    reached = "within the tolerances {} reaches {} % of the {}" if bands else "{} is {} % of the {}"
+    reached = "within the tolerances the {} reaches {} % of the {}" if bands else "the {} is {} % of the {}"
     share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
     stops = [*(words for words, _ in beyond)] or [share] * bool(share)
     usual = "within linear theory" if not bands or nearest is None else RECOMMENDED
     moved = {"signal", "stress"}
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
-    charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["output"]), "V", 3)
+    charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["contact_output"]), "V", 3)
     bands_of_both = [asides.band(signal[name]) for name in ("charge_spread", "output_spread")]
     if bands_of_both[0] and bands_of_both[0] == bands_of_both[1]:  # said once
         read = f"{charge} and {output} at the output, both{bands_of_both[0]}"

@@ -132,7 +132,7 @@ def signal(press: Row, on: str) -> str:
             f"{number(abs(press['heat_at_end'] / press['contact_charge']), 3)} times the charge of the force."
         )
     return (
-        f"{shown(press['force'], 'N', 3)} on {on} gives {shown(press['output'], 'V', 3)} at the output. "
+        f"{shown(press['force'], 'N', 3)} on {on} gives {shown(press['contact_output'], 'V', 3)} at the output. "
         f"{constant}. The noise is {shown(press['noise_charge'], 'C', 2)} or "
         f"{shown(press['noise_output'], 'V', 2)} at the output, which equals {shown(press['noise_force'], 'N', 2)}."
         f"{heat}"

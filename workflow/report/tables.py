@@ -55,10 +55,6 @@ def verification(folder: Path) -> dict[str, Any]:
     }
 
 
-#: What the sample for validation has come to, of a study with refused cases (`workflow.learning.training.validate`).
-REFUSED = ("drawn", "refused", "refused_inside", "answered_outside")
-
-
 def dataset(folder: Path, card: Mapping[str, Any], quantities: Collection[str]) -> dict[str, Any]:
     """Range of every quantity that is told, and size of the data set."""
     data = read_whole(folder / "quantities.nc")
@@ -81,7 +77,6 @@ def dataset(folder: Path, card: Mapping[str, Any], quantities: Collection[str]) 
         "bytes": card["bytes"],
         "cases": card["cases"],
         "places": places,
-        "refused": card.get("refused"),
     }
 
 
@@ -157,7 +152,6 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
         "ideal": _ideal(data, study),
         "tolerance": tolerance,
         "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
-        "refused": {key: int(data.attrs[key]) for key in REFUSED} if "refused" in data.attrs else None,
         "worst": worst,
         "uncorrected": before if any(row["raw_max_error"] != row["error"] for row in rows) else None,
         "crps_over_raw": float((data["crps"] / data["raw_crps"]).median()),
@@ -209,13 +203,11 @@ def signal(folder: Path) -> dict[str, Any]:
     """Numbers of a press in time; ``held``: quantities of a contact of its own at the force that is held, (case,)."""
     data = read_whole(folder / "signal.nc")
     numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
-    held = data["force"].values >= float(data["force"].max()) * (1 - 1e-9)
     cornered = {str(name): values.values for name, values in data.data_vars.items() if CORNERS in values.dims}
     return numbers | {
         "held": {name.removeprefix(HELD): values for name, values in cornered.items()},
         "left_out": tuple(netcdf.members(data, LeftOut)),
         "force": float(data["force"].max()),
-        "output": float(data["output"].values[held][0]),
     }
 
 

@@ -108,7 +108,7 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
     if study.groups:
         t = 2 * sobol_points(_POINTS, len(model.box)) - 1
         X = np.stack([axis.from_unit(row) for axis, row in zip(model.box.values(), t.T, strict=True)], axis=1)
-        return [[float(row.min()), float(row.max())] for row in model.predict_array(X[model.has_answers(X)]).T]
+        return [[float(row.min()), float(row.max())] for row in model.predict_array(X).T]
     return [[float(learned[name].min()), float(learned[name].max())] for name in model.outputs_]
 
 

@@ -95,7 +95,6 @@ rule card:
     output:
         json="results/{study}/datacard.json",
         markdown="results/{study}/datacard.md",
-        croissant="results/{study}/croissant.json",
     params:
         study=sections("title", *PHYSICS, "dataset"),
         code=provenance.code("workflow/scripts/card.py"),

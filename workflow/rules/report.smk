@@ -65,13 +65,11 @@ rule provenance:
         results_of,
     output:
         provenance="results/{study}/provenance.json",
-        crate=expand("results/{{study}}/{file}", file=[provenance.METADATA, provenance.WORKFLOW, provenance.STUDY]),
+        study="results/{study}/study.yaml",
     params:
-        title=lambda wildcards: study_of(wildcards).title,
-        last=lambda wildcards: study_of(wildcards).final_files,
         study=lambda wildcards: study_of(wildcards).digest(*type(study_of(wildcards)).model_fields),
         seed=lambda wildcards: study_of(wildcards).validation.seed,
-        code=provenance.code("workflow/scripts/provenance.py", "workflow/Snakefile"),
+        code=provenance.code("workflow/scripts/provenance.py"),
     log:
         "logs/{study}/provenance.log",
     script:

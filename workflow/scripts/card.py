@@ -16,4 +16,3 @@ times = [Path(snakemake.log[0]).with_name(kind) / f"{slab.stem.removeprefix('sla
 card = datacard.card(config, name, slabs, times)
 write_text(Path(snakemake.output.json), json.dumps(card, indent=1) + "\n")
 write_text(Path(snakemake.output.markdown), datacard.markdown(card))
-write_text(Path(snakemake.output.croissant), json.dumps(datacard.croissant(card), indent=1) + "\n")

@@ -1,7 +1,8 @@
-"""Rule provenance: versions, hashes and the seed behind a study's results, and the crate that they make."""
+"""Rule provenance: versions, hashes and the seed behind a study's results, and the study as it began."""
 
 from pathlib import Path
 
+from storage.files import write_text
 from workflow.run import joblog, lock, provenance
 from workflow.study import location
 
@@ -10,6 +11,6 @@ results = [Path(result) for result in snakemake.input]
 name, output = snakemake.wildcards.study, Path(snakemake.output.provenance)
 study = location.from_results(name, output.parent)
 provenance.write(output, study, snakemake.params.study, snakemake.params.seed, results)
-begun = lock.begun(name, output.parents[1])  # an edit during the run is not in the crate
+begun = lock.begun(name, output.parents[1])  # without an edit during the run
 text = begun["text"] if begun else location.location(name).read_text(encoding="utf-8")
-provenance.write_crate(output.parent, name, snakemake.params.title, text, [*results, output], snakemake.params.last)
+write_text(Path(snakemake.output.study), text)

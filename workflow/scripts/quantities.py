@@ -4,8 +4,7 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole, write_whole
 from workflow.dataset.slabs import gather
 from workflow.run import joblog
-from workflow.study.refusals import REASON, REFUSAL
 
 snakemake = joblog.start(globals())
-slabs = [read_whole(slab, names=[*ALL_QUANTITIES, REFUSAL, REASON]) for slab in snakemake.input]
+slabs = [read_whole(slab, names=ALL_QUANTITIES) for slab in snakemake.input]
 write_whole(gather(slabs), snakemake.output[0])

@@ -9,7 +9,7 @@ from workflow.study import planned
 
 snakemake, config = planned.start(globals())
 quantiles = {name: stated.quantile for name, stated in config.distributions.items()}
-model = load(snakemake.input[0]).everywhere()  # indices are those of the whole box
+model = load(snakemake.input[0])
 units = [model.attrs_[name].get("units", "") for name in model.outputs_]
 indices = sobol(model, quantiles).assign_coords(units=("output", units))
 title = "Sobol' indices and main effects of the surrogate"

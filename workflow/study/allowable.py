@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from solver import Material, find
-from solver.material.laws import compose
+from solver.material.composite import compose
 from solver.names import CHOICES, MIXTURES
 from solver.stack.layers import RIGID
 from workflow.language.constants import of_the_base, plain

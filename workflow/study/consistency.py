@@ -167,4 +167,4 @@ def check_values(study: Contents, where: str, name: str, values: Sequence[float 
         if not axis.low <= value <= axis.high:
             end = "low" if value < axis.low else "high"
             message = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
-            raise ValueError(f"{where}: {message}; factors: {name}: {end} says so")
+            raise ValueError(f"{where}: {message}, the range of the study (factors: {name}: {end})")

@@ -6,7 +6,7 @@ import numpy as np
 
 from solver import Material, find
 from solver.fields import Field, fields_of
-from solver.material.laws import compose
+from solver.material.composite import compose
 from solver.names import ALL_QUANTITIES, CHOICES, MIXTURES
 from solver.stack.layers import RIGID
 from workflow.study.categories import output

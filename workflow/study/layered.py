@@ -8,7 +8,7 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from solver import Layer, Material, MaterialError, Stack, find
-from solver.material.laws import compose
+from solver.material.composite import compose
 from solver.names import BODY, COMPOSITES
 from solver.stack.layers import RIGID
 from workflow.language import titles

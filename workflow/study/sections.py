@@ -16,7 +16,7 @@ from pydantic import (
 
 from solver import Material, find
 from solver.described import Contact
-from solver.material.laws import compose
+from solver.material.composite import compose
 from solver.names import CHOICES, COMPOSITES, FORMULAS, OF_A_FILM, PROFILES
 from solver.units import BOLTZMANN
 from workflow.language.constants import DEVICE
@@ -45,12 +45,9 @@ MOST_LEARNED = 20_000_000
 #: Most curves of a figure of effects, points of all of its curves, and points of a grid below the punch.
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
 #: Groups of checks in verification/, in the order of the page.
-CHECK_GROUPS = (
-    "limits", "balance", "integral_equations", "finite_elements", "films", "film_elements", "film_air", "points",
-    "digits",
-)  # fmt: skip
+CHECK_GROUPS = ("limits", "integral_equations", "films", "film_elements", "film_air", "points", "digits")
 #: Those with convergence curves.
-CONVERGING = ("integral_equations", "finite_elements", "films", "film_elements", "film_air", "points")
+CONVERGING = ("integral_equations", "films", "film_elements", "film_air", "points")
 #: What the model can be asked for; ``workflow.measured.comparison`` has a function of each.
 ModelQuantity = Literal[
     "charge_per_force", "clamped_d33", "free_d33", "indentation_exponent", "response_under_load",
@@ -88,7 +85,8 @@ class Group(Strict):
         None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
     )
     scale: Literal["linear", "log", "logit"] | None = Field(
-        None, description="coordinate in which the levels are spread; null: what decays fastest, where levels are open"
+        None,
+        description="coordinate in which the levels are spread; null: its one factor's, or log over a decade",
     )
 
 
@@ -275,7 +273,7 @@ class Verification(Strict):
         ge=12,
         le=96,
         multiple_of=12,
-        description="finest mesh: finite elements under the punch; a sixth and two more: order of those of films",
+        description="a sixth and two more is the highest order of the polynomials of finite elements",
     )
     timed: int = Field(4096, ge=100, le=1_000_000, description="cases of the closed form that are timed at once")
     seed: int = Field(1, ge=0, description="seed of the random cases")

@@ -1,7 +1,6 @@
 """Checks that the solver can answer a study, and the quantities that its cases lack or share with the datum."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from math import prod
 from time import process_time
 from typing import Any
@@ -9,24 +8,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from approximation.sobol import sobol_points
 from solver import solve
 from solver.names import ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
-from surrogate import Input
 from workflow.language.factors import FACTORS
 from workflow.language.given import DESTROYED
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.reading import located
-from workflow.study.refusals import MOST, REASON, REFUSAL, AllRefusedError, HolesError, answered
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
 
-#: Places of the box at which a study with a refused corner is tried, of bodies that need tables for each and of others,
-#: and by how many standard deviations of chance more of them are refused than may be missing.
-_SCOUTS_OF_TABLES, _SCOUTS, _DEVIATIONS = 16, 64, 3.0
-_REFUSED = f"factors: the solver refuses more than {100 * MOST:.0f} % of the box"
-_PATIENCE = 30.0  # seconds of the processor after which no more places of the box are tried
 _SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
 
 
@@ -159,15 +150,13 @@ def lacked(study: Contents) -> frozenset[str]:
     else:
         ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
         ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
-        solved = _answered(study, {**study.fixed, **study.categories, **ends})
+        solved = study.solved(solve, {**study.fixed, **study.categories, **ends})
         if study.groups:
             _solve_stored(study, representatives.ends(study))
     _tell_time(study, process_time() - began)
     _tell_pressure(study, solved)
     if "heat" in solved.attrs:
         study.tell_default(f"heat: {solved.attrs['heat']}")
-    if REFUSAL in solved:
-        _check_share(study)
     peaks = set(study.kind.peaks)
     if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
         peaks -= {name for name in peaks if name.startswith("base_")}
@@ -179,13 +168,7 @@ def lacked(study: Contents) -> frozenset[str]:
 def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:
     """The answers at some stored cases of a study with groups, which may leave the box of its factors."""
     with located("groups: in a corner of their ranges"):
-        return _answered(study, {**study.fixed, **study.categories, **cases})
-
-
-def _answered(study: Contents, factors: Mapping[str, Any]) -> xr.Dataset:
-    """Exact cases with those masked that the solver refuses; a cross approximation has no place for such."""
-    whole = partial(study.solved, solve)
-    return whole(factors) if study.crossed else answered(whole, factors)
+        return study.solved(solve, {**study.fixed, **study.categories, **cases})
 
 
 def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
@@ -214,36 +197,6 @@ def _tell_time(study: Contents, seconds: float) -> None:
         f"time: {unit} takes about {seconds_per_case:.0f} s of one core; the {count:,} of the data set{opened} take "
         f"about {count * seconds_per_case / 3600:.2g} h, and random cases for calibration and validation come on top"
     )
-
-
-def _check_share(study: Contents) -> None:
-    """Refuse a study with a refused corner where a few places in its box show that most of the box is refused.
-
-    How many of the factorial's are missing is known only when they are solved (`workflow.dataset.holes`).
-    """
-    count = _SCOUTS_OF_TABLES if study.tabled else _SCOUTS
-    shares = 2 * sobol_points(count, len(study.factors)).T - 1
-    inputs = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
-    places = {
-        input_.name: xr.DataArray(input_.from_unit(t), dims="place") for input_, t in zip(inputs, shares, strict=True)
-    }
-    most = (MOST + _DEVIATIONS * np.sqrt(MOST * (1 - MOST) / count)) * count
-    step = 1 if study.tabled else count
-    refused, began = 0, process_time()
-    for first in range(0, count, step):
-        if process_time() - began > _PATIENCE:
-            return
-        batch = {name: values.isel(place=slice(first, first + step)) for name, values in places.items()}
-        try:
-            solved = answered(partial(study.solved, solve), {**study.fixed, **study.categories, **batch}, most)
-        except AllRefusedError as error:
-            solved = error.mask
-        except HolesError as error:
-            raise ValueError(f"{_REFUSED}: {error}") from None
-        if REFUSAL in solved:
-            refused += int((solved[REFUSAL] > 0).sum())
-            if refused > most:
-                raise ValueError(f"{_REFUSED}: {solved[REASON].values[0]}")
 
 
 def check_fields(study: Contents) -> None:

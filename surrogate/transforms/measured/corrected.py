@@ -47,7 +47,6 @@ class CorrectedGP(Transformed):
         self._describe(nominal.inputs_, nominal.outputs_, nominal.attrs_)
         self.cases_, self.level_ = nominal.cases_, nominal.level_
         self.nominal_, self.effect_, self.made_from_ = nominal, effect, nominal.made_from_
-        self.region_ = nominal.region_
         self.constants_, self.about_, self.draws_ = dict(constants), about, tuple(draws)
         self.rows_, self.effect_std_, self.learnt_ = rows, effect_std, learnt
 

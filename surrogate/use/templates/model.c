@@ -103,16 +103,6 @@ static const unsigned char trend_degree[TERMS][AXES] = {
 {% if grouped %}
 static const real added_power[INPUTS] = { {{ added_power|join(', ') }} };
 {% endif %}
-{% if region %}
-#define REGION_TERMS {{ region.coefficients|length }}
-#define REGION_DEGREES {{ region.degrees }}
-static const unsigned char region_degree[REGION_TERMS][INPUTS] = {
-{% for row in region.degree %}
-    { {{ row|join(', ') }} }{{ '' if loop.last else ',' }}
-{% endfor %}
-};
-{{ array('real', 'region_coefficients', region.coefficients) }}
-{% endif %}
 
 /* Whether a number is zero or normal: by its bits, since -ffast-math takes comparisons with NaN for granted. */
 static int is_normal(const real *number)
@@ -147,7 +137,7 @@ static real within(real value, real low, real high)
     }
     return nearest;
 }
-{% if box %}
+{% if outer %}
 
 /* Scaled inputs, from -1 to 1. */
 static void box(const real x[INPUTS], real t[INPUTS])
@@ -379,27 +369,6 @@ int {{ name }}_inside(const {{ name }}_real x[{{ inputs|length }}])
             status = {{ NAME }}_OUTSIDE;
         }
     }
-{% if region %}
-    if (status == {{ NAME }}_OK) {
-        real t[INPUTS], T[INPUTS][REGION_DEGREES], above = {{ region.least }}, term;
-        int m;
-
-        box(x, t);
-        for (k = 0; k < INPUTS; k++) {
-            polynomials(t[k], REGION_DEGREES, 0, T[k]);
-        }
-        for (m = 0; m < REGION_TERMS; m++) {
-            term = region_coefficients[m];
-            for (k = 0; k < INPUTS; k++) {
-                term *= T[k][region_degree[m][k]];
-            }
-            above += term;
-        }
-        if (above < {{ zero }}) {
-            status = {{ NAME }}_NO_ANSWER;
-        }
-    }
-{% endif %}
     return status;
 }
 

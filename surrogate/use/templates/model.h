@@ -19,7 +19,6 @@
 #define {{ NAME }}_OK 0
 #define {{ NAME }}_OUTSIDE 1    /* an input beyond the range of the box */
 #define {{ NAME }}_NOT_NORMAL 2 /* an input that is NaN, infinite or denormal */
-#define {{ NAME }}_NO_ANSWER 3  /* cases of this part of the box are refused */
 #define {{ NAME }}_NO_OUTPUT 4  /* a number of no output */
 
 typedef {{ real }} {{ name }}_real;

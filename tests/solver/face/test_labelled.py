@@ -117,6 +117,14 @@ def test_blocks_of_a_table_do_not_show(monkeypatch: pytest.MonkeyPatch, varying:
             assert_allclose(rows[name][place], alone[name].squeeze(), rtol=1e-11, err_msg=str(name))
 
 
+def test_several_cases_are_printed_with_one_prefix_a_column() -> None:
+    answer = solver.solve({"material": "PZT-4", "radius": 0.05, "load": [1e4, 1e6]})
+    printed = solver.table(answer)
+    assert not [name for name in printed.columns if "magnetic" in name]  # PZT-4 couples no magnetic field
+    assert printed["peak_pressure [MPa]"].to_numpy() == pytest.approx(answer["peak_pressure"].values / 1e6, rel=1e-12)
+    assert printed.index.to_list() == [1e4, 1e6]
+
+
 def test_memory_of_a_table() -> None:
     """Beyond input and output: the number of each row in the order of the materials, and the labels, 400 bytes."""
     count = 200_000

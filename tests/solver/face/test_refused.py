@@ -129,7 +129,8 @@ REFUSED: dict[str, Case] = {
     "force: 9.99989e-321 is too small for a number of full precision, 2.23e-308": BALL | {"force": 1e-320},
     "contact: wider than the resolved range, 0": ON_FILM | {"force": 1e12, "thickness": 1e-6},
     "total_flux: 1 on a punch that is magnetic insulating": BALL | {"total_flux": 1.0, "magnetic": "insulating"},
-    "load: missing": BALL | {"profile": "cylinder"},
+    "force: the profile cylinder has none; give load [N m-1], or a profile such as sphere": BALL
+    | {"profile": "cylinder"},
     "slope: 1e+09 is 90 degrees from the surface; must be <= 1, 45 degrees": without(BALL, "radius") | {
         "profile": "cone", "slope": 1e9
     },
@@ -201,6 +202,9 @@ SINGLE: list[tuple[str, str, Case]] = [
     ("volume_fraction: 1.5 is not", "", MIXED | {"volume_fraction": [0.0, 1.0, 1.5]}),
     # names
     ("xyz: unknown factor", "known are", LINE | {"xyz": 0.3}),
+    ("profile: 'ball' is not one of", "did you mean 'sphere'?", LINE | {"profile": "ball"}),
+    ("base: 'stell' is unknown", "did you mean 'steel'?", FILM | {"base": "stell"}),
+    ("load: '2e4' is a text without a unit", "its unit [N m-1]", LINE | {"load": ["10 kN/m", "2e4"]}),
     ("material: 'stel' is unknown", "did you mean 'steel'", LINE | {"material": ["BaTiO3", "stel"]}),
     *(("material: ", str(value), LINE | {"material": value}) for value in (3, None, 2.5)),
     *((f"{name}: '{word}' is not one of", "", MIXED | {name: word}) for name in CHOSEN for word in ("fibros", "")),

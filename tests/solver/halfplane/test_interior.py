@@ -13,9 +13,8 @@ from solver.face.factors import checked
 from solver.face.solution import body_of
 from solver.fields import INTERIOR, INTERIOR_ON_REQUEST
 from verification.cases import SIH_SONG, constants
-from verification.oracles import collocation, interior, profile
+from verification.oracles import collocation, interior
 from verification.oracles.surface_response import surface_response
-from verification.oracles.weighted_chebyshev import end_proof_nodes
 
 POINTS = [(0.0, -0.7), (0.9, -0.1), (-1.2, -0.1), (3.0, -5.0), (1.0, -0.02), (-200.0, -30.0)]
 ALL = [*INTERIOR, *INTERIOR_ON_REQUEST]
@@ -72,10 +71,10 @@ def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
 @pytest.mark.parametrize(("kind", "corner"), [("flat", "leading"), ("wedge", "trailing"), ("half_cylinder", "leading")])
 def test_profiles_agree_with_quadrature_of_collocated_tractions(kind: str, corner: str) -> None:
     material = solver.find("CoFe2O4")
-    shapes: dict[str, tuple[dict[str, Any], profile.Profile]] = {
-        "flat": ({"width": 4e-4, "slope": 5e-5}, profile.flat(4e-4, 5e-5)),
-        "wedge": ({"slope": 2e-3, "corner": corner}, profile.wedge(2e-3, corner)),
-        "half_cylinder": ({"radius": 0.05, "corner": corner}, profile.half_cylinder(0.05, corner)),
+    shapes: dict[str, tuple[dict[str, Any], collocation.Profile]] = {
+        "flat": ({"width": 4e-4, "slope": 5e-5}, collocation.flat(4e-4, 5e-5)),
+        "wedge": ({"slope": 2e-3, "corner": corner}, collocation.wedge(2e-3, corner)),
+        "half_cylinder": ({"radius": 0.05, "corner": corner}, collocation.half_cylinder(0.05, corner)),
     }
     factors, shape = shapes[kind]
     surface = surface_response(constants(material))
@@ -89,7 +88,7 @@ def test_profiles_agree_with_quadrature_of_collocated_tractions(kind: str, corne
     roots, vectors = np.linalg.eig(np.block([[N1, N2], [-R @ N1 - Q, N1.T]]))
     upper = roots.imag > 0
     p, A, B = roots[upper], vectors[:4, upper], vectors[4:, upper]
-    right, left, weight = end_proof_nodes()
+    right, left, weight = collocation.end_proof_nodes()
     tractions = contact._tractions(right, left)
     tractions = np.vstack([0.5 * tractions[0], tractions]) * units[:, None]
     s = (left - right) / 2

@@ -16,7 +16,7 @@ from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import ANY_SIZE, Material
 from tests.solver.strategies import constants, loads, property_based
-from verification.oracles import collocation, profile
+from verification.oracles import collocation
 from verification.oracles.collocated import fields, quantities
 from verification.oracles.sample_materials import SIH_SONG as CONSTANTS
 from verification.oracles.surface_response import SurfaceResponse, reduced, surface_response
@@ -29,28 +29,28 @@ CONDUCTED = [(1, 2), (1,), (2,), ()]
 #: g' = 2e-4 + 10 x + 1e9 x^3 from the corner.
 CORNERED = (2e-4, 10.0, 0.0, 1e9)
 
-CASES: dict[str, tuple[dict[str, Any], profile.Profile]] = {
-    "flat": ({"profile": "flat", "width": 4e-4}, profile.flat(4e-4)),
-    "wedge": ({"profile": "wedge", "slope": 2e-3}, profile.wedge(2e-3)),
+CASES: dict[str, tuple[dict[str, Any], collocation.Profile]] = {
+    "flat": ({"profile": "flat", "width": 4e-4}, collocation.flat(4e-4)),
+    "wedge": ({"profile": "wedge", "slope": 2e-3}, collocation.wedge(2e-3)),
     "half cylinder": (
-        {"profile": "half_cylinder", "radius": 0.05, "corner": "trailing"}, profile.half_cylinder(0.05, "trailing")
+        {"profile": "half_cylinder", "radius": 0.05, "corner": "trailing"}, collocation.half_cylinder(0.05, "trailing")
     ),
     "quartic": (
         {"profile": solver.Profile.polynomial((0.0, 0.0, 0.0, 5e8), (True, True))},
-        profile.Profile(lambda x: 5e8 * x**3),
+        collocation.Profile(lambda x: 5e8 * x**3),
     ),
     "one corner": (
         {"profile": solver.Profile.polynomial(CORNERED, (True, False))},
-        profile.Profile(lambda x: 2e-4 + 10.0 * x + 1e9 * x**3, sharp_leading=0.0),
+        collocation.Profile(lambda x: 2e-4 + 10.0 * x + 1e9 * x**3, sharp_leading=0.0),
     ),
     "two corners": (
         {"profile": solver.Profile.polynomial((1e-5, 0.2, 1e3), (False, False), 4e-4)},
-        profile.Profile(lambda x: 1e-5 + 0.2 * x + 1e3 * x**2, 2e-4, -2e-4),
+        collocation.Profile(lambda x: 1e-5 + 0.2 * x + 1e3 * x**2, 2e-4, -2e-4),
     ),
 }  # fmt: skip
 
 
-def collocated(shape: profile.Profile, friction: float, conducted: tuple[int, ...], load: float) -> Any:
+def collocated(shape: collocation.Profile, friction: float, conducted: tuple[int, ...], load: float) -> Any:
     surface = surface_response(CONSTANTS)
     charges = 1e-6 * (1 in conducted), -2e-3 * (2 in conducted)
     case = collocation.Problem(

@@ -294,6 +294,20 @@ def test_a_touched_film_has_its_heat_beside_the_quantities_of_its_contact() -> N
         assert float(lasting["temperature_equal"].squeeze()) == pytest.approx(11.0 / share, rel=1e-5)
 
 
+@pytest.mark.parametrize("load", [{"profile": "sphere", "force": 0.1}, {"load": 1e3}])
+@pytest.mark.parametrize("surroundings", ["air", "insulated"])
+def test_neither_force_nor_heat_charges_silicone(load: dict[str, Any], surroundings: str) -> None:
+    film = {"material": "PDMS", "thickness": 1e-3, "base": "FR4", "punch": "steel", "radius": 0.005, "hold": 1.0}
+    out = solver.solve({**film, **load, "surroundings": surroundings, "touch_temperature": 294.15})
+    charge = out["heat_charge" if "force" in load else "heat_charge_per_length"]
+    assert (float(charge), float(out["temperature_equal"]), float(out["heat_time"])) == (0.0, 1e6, 1e6)
+
+
+def test_a_force_without_charge_is_overtaken_at_once() -> None:
+    stack = Stack([Layer("PVDF", 50e-6)], "steel")
+    assert HeatedStack.of(stack).overtaken(Spot("disc", 1e-4), None, 0.0) == 1e-6
+
+
 def test_a_decaying_read_out_loses_the_touch_before_the_heat() -> None:
     film = {"material": "PZT-4", "thickness": 50e-6, "base": "steel", "punch": "steel", "radius": 0.05, "load": 5e3}
     slow, fast = (

@@ -10,7 +10,7 @@ from hypothesis import given
 
 import solver
 from solver.halfplane.surface import HalfPlane
-from solver.material import laws
+from solver.material import composite
 from solver.material.constants import UNITS, VACUUM_PERMITTIVITY
 from solver.material.library import published
 from solver.names import COMPOSITES
@@ -97,14 +97,14 @@ def test_two_readings_of_a_laminate_of_a_laminate() -> None:
 
 def test_a_name_without_law_is_refused_and_a_new_law_serves_layers(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(solver.MaterialError, match="'woven' is not one of fibrous, laminate, AlScN"):
-        laws.compose("woven", PHASES, 0.3)
+        composite.compose("woven", PHASES, 0.3)
     layer = BodyLayer(composite="laminate", volume_fraction=0.3, thickness=1e-4)
     woven = layer.model_copy(update={"composite": "woven"})
     monkeypatch.setitem(COMPOSITES, "woven", "volume_fraction")
 
     with pytest.raises(solver.MaterialError, match="woven"):  # a third law is no laminate
         woven.compose({}, {}, ("BaTiO3", "CoFe2O4"))
-    monkeypatch.setitem(laws._LAWS, "woven", lambda phases, fraction: phases[0])
+    monkeypatch.setitem(composite._LAWS, "woven", lambda phases, fraction: phases[0])
     assert woven.compose({}, {}, ("BaTiO3", "CoFe2O4")).material == PHASES[0]
 
 

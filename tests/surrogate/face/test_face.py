@@ -185,7 +185,7 @@ def test_uncalibrated_intervals_are_those_of_a_normal_distribution(
         assert plain == pytest.approx([float(interval[f"{name}_{end}"]) for end in ("lower", "upper")], rel=1e-14)
 
 
-def test_quantiles_and_samples_are_labelled_and_of_one_distribution(model: GridGP) -> None:
+def test_quantiles_are_labelled_and_those_of_intervals(model: GridGP) -> None:
     points = {**MIDDLE, "angle": [0.1, 0.2, 0.4]}
     ends, upper = model.quantile(points, [0.025, 0.975]), model.quantile(points, 0.975)
     assert ends["smooth"].dims == ("quantile", "angle")
@@ -193,11 +193,6 @@ def test_quantiles_and_samples_are_labelled_and_of_one_distribution(model: GridG
     assert ends["smooth"].attrs == model.predict(points)["smooth"].attrs
     np.testing.assert_allclose(ends["smooth"][1], upper["smooth"], rtol=0, atol=0)
     np.testing.assert_allclose(ends["smooth"][0], model.interval(points)["smooth_lower"], rtol=1e-14)
-    drawn = model.sample(points, 4000, seed=3)
-    assert drawn["smooth"].dims == ("sample", "angle")
-    xr.testing.assert_identical(drawn, model.sample(points, 4000, seed=3))
-    inside = (drawn["smooth"] > ends["smooth"][0]) & (drawn["smooth"] <= ends["smooth"][1])
-    np.testing.assert_allclose(inside.mean("sample"), 0.95, rtol=0, atol=0.014)  # four standard errors
 
 
 def test_points_outside_of_the_box_have_intervals_when_asked_for(model: GridGP) -> None:
@@ -205,7 +200,6 @@ def test_points_outside_of_the_box_have_intervals_when_asked_for(model: GridGP) 
     methods: list[Callable[..., xr.Dataset]] = [
         model.interval,
         lambda points, **how: model.quantile(points, 0.5, **how),
-        lambda points, **how: model.sample(points, 2, 0, **how),
     ]
     for ask in methods:
         assert ask(far, extrapolate=True)["extrapolated"].values.tolist() == [False, True]
@@ -220,8 +214,6 @@ def test_levels_that_are_none_are_refused(model: GridGP, level: float) -> None:
             ask(MIDDLE, level)
     with pytest.raises(ValueError, match=r"q 2 is not between"):
         model.quantile(MIDDLE, [0.5, 2.0])
-    with pytest.raises(ValueError, match=r"n 0 must be at least 1"):
-        model.sample(MIDDLE, 0, 1)
 
 
 def test_gradient_is_labelled(model: GridGP) -> None:

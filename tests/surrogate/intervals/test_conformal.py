@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -31,15 +32,27 @@ def waves(x: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     }
 
 
+COUNTS = (10, 4, 4, 4, 2)
+
+
+@cache
+def calibrated(family: Functions, counts: tuple[int, ...], cases: int) -> GridGP:
+    """A grid process of a family, calibrated on so many cases."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(functions, "outputs", family)
+        model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(counts))
+        assert model.calibrate(functions.scattered(cases, seed=1)) is model
+    return model
+
+
 @pytest.mark.sampled(2)
-@pytest.mark.parametrize("counts", [(10, 4, 4, 4, 2), (24, 8, 6, 8, 2)])
+@pytest.mark.parametrize("counts", [COUNTS, (24, 8, 6, 8, 2)])
 @pytest.mark.parametrize("family", [functions.outputs, waves])
 def test_every_level_holds_marginally_and_95_percent_everywhere(
     family: Functions, counts: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    model = calibrated(family, counts, 3000)
     monkeypatch.setattr(functions, "outputs", family)
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(counts))
-    assert model.calibrate(functions.scattered(3000, seed=1)) is model
     fresh = functions.scattered(20_000, seed=2)
     table = validate(model, fresh, None)
     # what rounding alone is left of has steps, and no distribution
@@ -58,11 +71,11 @@ def test_every_level_holds_marginally_and_95_percent_everywhere(
 
 
 def test_calibrated_intervals_are_no_wider_than_they_must_be_and_shown_beside_the_raw_ones() -> None:
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 2)))
     fresh = functions.scattered(3000, seed=2)
-    before = validate(model, fresh, None)
+    model = calibrated(functions.outputs, COUNTS, 3000)
+    before = validate(model.uncalibrated(), fresh, None)
     assert "raw_coverage" not in before
-    table = validate(model.calibrate(functions.scattered(2000, seed=1)), fresh, None)
+    table = validate(model, fresh, None)
     for name in ("coverage", "level_coverage", "worst_decile_coverage", "crps", "pit", "pit_distance", "rmse"):
         np.testing.assert_array_equal(table[f"raw_{name}"], before[name])
         assert not np.array_equal(table[name], before[name])
@@ -75,8 +88,7 @@ def test_calibrated_intervals_are_no_wider_than_they_must_be_and_shown_beside_th
 
 @pytest.mark.parametrize("count", [40, 3000])
 def test_levels_end_where_the_cases_end(count: int) -> None:
-    data = functions.factorial((6, 4, 4, 3, 2))
-    model = GridGP(inputs=functions.INPUTS).fit(data).calibrate(functions.scattered(count, seed=1))
+    model = calibrated(functions.outputs, COUNTS, count)
     points = functions.scattered(3, seed=5)[list(model.box)]
     most = min(1 - 2 / (count + 1), 0.999)
     assert bool((model.interval(points, most)["ratio_upper"] > model.interval(points, 0.9)["ratio_upper"]).all())
@@ -90,7 +102,7 @@ def test_levels_end_where_the_cases_end(count: int) -> None:
 
 @pytest.mark.parametrize("count", [60, *(pytest.param(larger, marks=pytest.mark.soak) for larger in (150, 500))])
 def test_few_cases_still_give_right_marginal_coverage(count: int) -> None:
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 2)))
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(COUNTS))
     shares = []
     for seed in range(5):
         model.calibrate(functions.scattered(count, seed=10 + seed))
@@ -183,8 +195,7 @@ def test_bad_cases_are_refused(change: Callable[[xr.Dataset], xr.Dataset], says:
 
 
 def test_intervals_of_derivatives_hold_in_about_their_share() -> None:
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((10, 4, 4, 4, 2)))
-    model.calibrate(functions.scattered(3000, seed=1))
+    model = calibrated(functions.outputs, COUNTS, 3000)
     points = functions.scattered(600, seed=2)[list(model.box)]
     slopes = model.gradient(points, return_std=True)
     input_ = functions.INPUTS[0]

@@ -104,7 +104,7 @@ def test_the_example_finds_its_load(quickstart_run: Project, model: surrogate.Ga
         ),
         (["-o", "2.c"], "export: '2' is no name in C"),
         (["-o", "x.cpp"], "-o: x.cpp: must end in .c"),
-        (["--as", "fortran"], "'fortran' is none; .*c"),
+        (["--as", "fortran"], "'fortran' is unknown; .*c"),
     ],
 )
 def test_refusals_are_one_line_and_write_nothing(quickstart_run: Project, arguments: list[str], said: str) -> None:

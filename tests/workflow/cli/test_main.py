@@ -72,14 +72,14 @@ def test_results_that_are_not_there_are_named_with_those_that_are(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert "WRONG: there is none; must be results/STUDY" in complaint(
+    assert "WRONG: no such file or folder; must be results/STUDY" in complaint(
         capsys, "query", "results/WRONG", "--at", "load=1"
     )
     for name in ("one", "two"):
         (tmp_path / "results" / name).mkdir(parents=True)
         (tmp_path / "results" / name / "surrogate.nc").touch()
     said = complaint(capsys, "query", "results/tow", "--at", "load=1")
-    assert "results/tow: there is none" in said
+    assert "results/tow: no such file or folder" in said
     assert "did you mean 'two'? allowed: one, two; `meecontact run STUDY` makes one" in said
     (tmp_path / "results" / "one" / "report.html").touch()
     page = complaint(capsys, "query", "results/one/report.html", "--at", "load=1")
@@ -93,7 +93,7 @@ def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.Capt
     line = complaint(capsys, "solve", cases, "-o", tmp_path / "absent" / "out.nc")
     assert f"{tmp_path / 'absent'} does not exist" in line
     assert f"surrogate: {tmp_path}: holds no surrogate.nc" in complaint(capsys, "query", tmp_path, "--at", "load=1")
-    assert "'slove' is none; did you mean 'solve'?" in complaint(capsys, "slove")
+    assert "'slove' is unknown; did you mean 'solve'?" in complaint(capsys, "slove")
     assert "-o/--output" in complaint(capsys, "interior", cases, "--x=0", "--y=-1")
 
 

@@ -114,6 +114,8 @@ GOOD = "c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\n"
         ("c11: '115e9'\n", "m: c11: '115e9' is not a finite number [Pa], nor one with its unit"),
         (f"c11: {'1' * 2000} GPa\n", "11' is not a finite number [Pa]"),
         (GOOD.replace("1e10", "abc"), "c44: 'abc' is not a finite number [Pa]"),
+        ("s11: 16.4 m2/N\n", "m: s11: 16.4 Pa-1 is of a size that no material has; did you mean 16.4e-12 m2/N?"),
+        ("s11:\n", "m: s11: empty is not a finite number [Pa-1]"),
         ("s11E: 16e-12\ns12: 1\n", "s11E: unknown entry; did you mean s11?"),
         ("d33: 3 pC/N\nK33T: 1700\n", "K33T: unknown entry; did you mean eps_r33?"),
         ("c33D: 1e11\n", "c33D: unknown entry; did you mean c33, which is at constant electric field?"),

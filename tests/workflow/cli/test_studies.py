@@ -130,15 +130,15 @@ def test_every_rule_has_words() -> None:
 def test_only_a_terminal_sees_the_present_step(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with busy("searching") as tell:
-        tell("polishing")
+    with busy("searching"):
+        pass
     assert capsys.readouterr() == ("", "")
     terminal = Terminal()
     monkeypatch.setattr("sys.stderr", terminal)
-    with busy("searching") as tell:
-        tell("polishing")
+    with busy("searching"):
+        pass
     clear = "\r\x1b[K"
-    assert terminal.getvalue() == f"{clear}searching ...{clear}polishing ...{clear}"
+    assert terminal.getvalue() == f"{clear}searching ...{clear}"
 
 
 def test_snakemakes_line_about_its_options_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:

@@ -144,7 +144,10 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-9)
     write_whole(shown, tmp_path / "signal.nc")
     figures = tables.signal(tmp_path)
-    assert figures["output"] == pytest.approx(charge / 20e-12, rel=1e-5)  # open-loop gain 1e6
+    assert figures["contact_output"] == pytest.approx(charge / 20e-12, rel=1e-5)  # open-loop gain 1e6
+    warm = pressed.signal(press_study, study.signal, {**press_study.fixed, "touch_temperature": 300.0})
+    assert float(warm["heat_at_end"]) != 0
+    assert float(warm["contact_output"]) == float(shown["contact_output"])  # the card's output is the force's alone
     spread = pressed.spread(press_study, study.signal, press_study.fixed)
     moved = _moved_by_hand(ball | {"force": 0.05})
     assert float(spread["charge_spread"]) == pytest.approx(moved, rel=2e-3)  # forward quotients, their step a hundredth
@@ -167,7 +170,7 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     assert "±" not in bare.does
     half = report.card(study, figures, {name: value / (2 * share) for name, value in figures["held"].items()})
     assert half.good
-    assert half.stops.startswith("Contact pressure is 50\N{NO-BREAK SPACE}% of the depoling stress of PZT-4, 83")
+    assert half.stops.startswith("The contact pressure is 50\N{NO-BREAK SPACE}% of the depoling stress of PZT-4, 83")
     assert half.verdict == "within linear theory"
 
 
@@ -183,7 +186,7 @@ def test_a_contact_with_tolerances_is_recommended_if_every_corner_keeps_the_limi
         for radius, thickness in ((0.02, 1e-4), (0.019, 9.6e-5), (0.019, 1.04e-4), (0.021, 9.6e-5), (0.021, 1.04e-4))
     ]
     np.testing.assert_allclose(values["held_peak_pressure"], exact, rtol=1e-9)
-    numbers = {"force": study.signal.force, "contact_charge": 1e-12, "output": 1.0, "noise_force": 1e-6}
+    numbers = {"force": study.signal.force, "contact_charge": 1e-12, "contact_output": 1.0, "noise_force": 1e-6}
     numbers |= {"time_constant": 1.0, "charge_spread": np.nan, "output_spread": np.nan}
     held = {str(name).removeprefix("held_"): array.values for name, array in values.items()}
     share = max(exact) / solver.find("PZT-4").limits["depoling_stress"].value
@@ -191,7 +194,7 @@ def test_a_contact_with_tolerances_is_recommended_if_every_corner_keeps_the_limi
     card = report.card(study, numbers, bearing)
     assert (card.verdict, card.good) == ("recommended", True)
     words = card.stops.replace("\N{NO-BREAK SPACE}", " ")
-    assert words.startswith("Within the tolerances contact pressure reaches 90 % of the depoling stress of PZT-4")
+    assert words.startswith("Within the tolerances the contact pressure reaches 90 % of the depoling stress of PZT-4")
     assert card.build.replace("\N{NO-BREAK SPACE}", " ").endswith("(radius ± 5 % and thickness ± 4 µm)")
     broken = report.card(study, numbers, {**held, "peak_pressure": held["peak_pressure"] * 1.01 / share})
     assert (broken.verdict, broken.good) == ("beyond linear theory", False)

@@ -18,7 +18,7 @@ from verification.findings import Check, Curve, Findings, Sizes, Timing
 def quick(sizes: Sizes) -> Findings:
     return Findings(
         "A title", "About it.", [Check("A check", "one, other", 2e-4, 1e-3, 0.5)],
-        [Curve("fem_fields", "a curve", "elements", [1.0, 2.0], [1e-2, 1e-4])],
+        [Curve("film_elements", "a curve", "elements", [1.0, 2.0], [1e-2, 1e-4])],
         [Timing("a punch", 1e-12, 1e-2, 1e-3, 1e-6)],
     )
 

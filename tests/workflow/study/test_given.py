@@ -59,6 +59,10 @@ BALL = {"radius": "0.01", "low": "1.0", "high": "2.0"}
 @pytest.mark.parametrize(
     ("entries", "message"),
     [
+        (
+            {"radius": "0.01, friction: 20"},
+            "fixed: friction: 20 is 2000 %; did you mean 20 %? '2000 %' is read as it stands",
+        ),
         ({"radius": "20"}, "fixed: radius: 20 is 20 m; did you mean 20 mm? '20 m' is read as it stands"),
         ({"radius": "20 m"}, ""),
         ({"high": "5e9"}, "factors: force: high: 5e+09 is 5e+09 N; did you mean 5e+09 mN?"),

@@ -53,7 +53,6 @@ class _Hybrid(Source):
 
     def __init__(self, exact: Exact, predicted: Predicted, costly: frozenset[str]) -> None:
         self._exact, self._predicted, self._costly = exact, predicted, costly
-        self.edge = exact.edge
 
     @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:

@@ -42,7 +42,7 @@ def ask(
     if not question.inputs:
         return question
     corner = question.searched[False]
-    designs = _answered(name, question.at(_pilot(len(question.inputs), corner.count)))
+    designs = question.at(_pilot(len(question.inputs), corner.count))
     factors = designs.factors(corner)
     scales: dict[str, float] = {}
     notes: list[str] = []
@@ -65,19 +65,6 @@ def ask(
         if term.unitless:
             notes += unit_notes(label, term, values)
     return replace(question, scales=scales, pieces=pieces, spread=spread, notes=tuple(notes))
-
-
-def _answered(name: str, designs: Question) -> Question:
-    """Designs none of whose corners lies beyond the edge of the cases that the solver answers."""
-    edge = designs.predicted.edge
-    if edge is None:
-        return designs
-    factors = designs.factors(designs.searched[False])
-    inside = np.all(edge.excess(factors) <= 0, axis=1)
-    if not inside.any():
-        reason = edge.reason(factors)
-        raise InputError(f"design: {name}: the solver refuses some case of every design: {reason}")
-    return designs.at(designs.x[inside])
 
 
 def _check_pole(label: str, divisor: Expression, values: Array) -> None:

@@ -233,8 +233,6 @@ class Question:
             for chosen, places, terms in self._row_groups
             for place, term, values in zip(places, terms, designs.values(source, chosen, terms), strict=True)
         )
-        if source.edge is not None:  # the last limits: every corner's distance beyond the edge of answered cases
-            limited_rows.append(source.edge.excess(designs.factors(self.searched[False])))
         return np.concatenate(wanted_rows, -1), np.concatenate([np.empty((len(x), 0)), *limited_rows], -1)
 
     def _slopes(self, source: Source, x: Array) -> tuple[Array, Array]:
@@ -245,10 +243,6 @@ class Question:
             for chosen, places, terms in self._row_groups
             for place, term, jacobian in zip(places, terms, derivatives(source, x, chosen, terms), strict=True)
         )
-        if source.edge is not None:
-            design = self.at(x)
-            slopes = source.edge.slopes(design.factors(self.searched[False]), list(design.variables))
-            limited_rows.append(slopes * design.physical_per_scaled())
         return np.concatenate(wanted_rows), np.concatenate([np.empty((0, len(x))), *limited_rows])
 
     def _split(self, rows: Iterable[tuple[int, Array]]) -> tuple[list[Array], list[Array]]:

@@ -1,4 +1,4 @@
-"""Sources of a design question's quantities: the surrogate, the exact solver, and the edge of answered cases."""
+"""Sources of a design question's quantities: the surrogate and the exact solver."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -8,16 +8,13 @@ import xarray as xr
 from typing_extensions import override
 
 from approximation.arrays import Array
-from solver import CaseError, solve_interior
+from solver import solve_interior
 from solver.names import ALL_PEAKS
-from surrogate import CurveGP, GaussianProcess, Input
-from surrogate.data.inputs import unit_coordinates
-from surrogate.face.region import Region
+from surrogate import CurveGP, GaussianProcess
 from surrogate.intervals.distribution import ONE_STD
 from workflow.dataset import factorial
 from workflow.study.categories import Combination, output
 from workflow.study.model import Study
-from workflow.study.refusals import REFUSAL, AllRefusedError
 
 _DIMS = ("point", "scenario")
 _DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, where the field below the contact is judged
@@ -30,45 +27,11 @@ def shape(factors: Factors) -> tuple[int, ...]:
     return np.broadcast_shapes(*(values.shape for values in factors.values()))
 
 
-class Edge:
-    """The edge beyond which the solver refuses cases: a surrogate's region as rows of a program, one a scenario."""
-
-    def __init__(self, region: Region, inputs: Sequence[Input]) -> None:
-        self._region, self._inputs = region, tuple(inputs)
-        self._scale = float(np.abs(region.coefficients[1:]).sum()) or 1.0
-
-    def excess(self, factors: dict[str, Array]) -> Array:
-        """Distance of cases beyond the margin, in units of the region's steepest rise; (points, scenarios)."""
-        X, whole = self._points(factors)
-        above = self._region.above(unit_coordinates(self._inputs, X))
-        return np.asarray(-above.reshape(whole) / self._scale)
-
-    def slopes(self, factors: dict[str, Array], over: Sequence[str]) -> Array:
-        """Derivatives of `excess` at one point, (scenarios, variables), by physical factors."""
-        X, _ = self._points(factors)
-        rising = self._region.slopes(unit_coordinates(self._inputs, X))
-        names = [input_.name for input_ in self._inputs]
-        columns = [names.index(name) for name in over]
-        return np.stack([-rising[k] * self._inputs[k].unit_slope(X[:, k]) / self._scale for k in columns], axis=-1)
-
-    def reason(self, factors: dict[str, Array]) -> str:
-        """Why a known case next to that one of some which lies farthest beyond the edge is refused."""
-        X, _ = self._points(factors)
-        t = unit_coordinates(self._inputs, X)
-        return self._region.reason(t[:, int(self._region.above(t).argmin())])
-
-    def _points(self, factors: dict[str, Array]) -> tuple[Array, tuple[int, ...]]:
-        whole = np.zeros(np.broadcast_shapes(*(values.shape for values in factors.values())))
-        return np.stack([(factors[input_.name] + whole).ravel() for input_ in self._inputs], -1), whole.shape
-
-
 class Source(ABC):
     """Quantities of factors."""
 
     #: Step of difference quotients in scaled coordinates; None: `slopes` has the derivatives.
     step: float | None = None
-    #: The edge beyond which the solver refuses cases; None where it refuses none.
-    edge: Edge | None = None
 
     @abstractmethod
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
@@ -84,10 +47,8 @@ class Exact(Source):
 
     step = 1e-6
 
-    def __init__(self, study: Study, beyond: "Predicted | None" = None) -> None:
+    def __init__(self, study: Study) -> None:
         self._study = study
-        self._beyond = beyond if beyond is not None and beyond.edge is not None else None
-        self.edge = None if self._beyond is None else self._beyond.edge
         self._solved: dict[tuple[float, ...], dict[str, float]] = {}  # costly cases by their factors
 
     @property
@@ -110,35 +71,16 @@ class Exact(Source):
         if missing:
             anew = dict(zip(over, np.array(missing).T[:, None], strict=True))
             together = [name for name in self.quantities if name not in ALL_PEAKS]  # a case has them all at one price
-            solved = self._anew(anew, names if self._beyond or not {*together} >= {*names} else together)
+            solved = self._anew(anew, together if {*together} >= {*names} else names)
             cases = np.stack([np.broadcast_to(values, (1, len(missing)))[0] for values in solved.values()], -1)
             for row, case in zip(missing, cases.tolist(), strict=True):
                 self._solved[row] = self._solved.get(row, {}) | dict(zip(solved, case, strict=True))
         return {name: np.array([self._solved[row][name] for row in rows]).reshape(whole) for name in names}
 
     def _anew(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities of cases from the solver; of cases that it refuses beyond a known edge, from the surrogate."""
-        axes = _labelled(factors)
+        """Quantities of cases from the solver."""
         peaks = [name for name in names if name in ALL_PEAKS]
-        if self._beyond is None:
-            return _values(factorial.exact(self._study, axes, peaks=peaks), names)
-        try:
-            solved = factorial.exact(self._study, axes, peaks=peaks, holes=np.inf)
-        except AllRefusedError:
-            return self._beyond.values(factors, names)
-        quantities = _values(solved, names)
-        if REFUSAL in solved:
-            whole = self._beyond.values(factors, names)
-            quantities = {name: np.where(np.isnan(values), whole[name], values) for name, values in quantities.items()}
-        return quantities
-
-    def refusal(self, factors: Factors) -> str:
-        """Why the solver refuses some case; empty where it refuses none."""
-        try:
-            factorial.exact(self._study, _labelled(factors), peaks=[])
-        except CaseError as error:
-            return str(error)
-        return ""
+        return _values(factorial.exact(self._study, _labelled(factors), peaks=peaks), names)
 
     def field_below(self, factors: Factors) -> float:
         """Largest electric field below the contact's middle, two half-widths deep, over all cases [V/m]."""
@@ -153,8 +95,7 @@ class Predicted(Source):
     """The surrogate, for one combination of the study's categories."""
 
     def __init__(self, model: GaussianProcess, combination: Combination | None = None) -> None:
-        self.edge = None if model.region_ is None else Edge(model.region_, model.inputs_)
-        self._model = model.everywhere()
+        self._model = model
         self._combination = combination or {}
         self._parts: dict[tuple[str, ...], GaussianProcess] = {}
 

@@ -103,8 +103,6 @@ def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
     return whole.isel(front=undominated[np.argsort(values[undominated, 0])])
 
 
-#: By how much the margin of the edge is made wider, each time that the solver refuses the best design.
-_WIDER = (0.01, 0.02, 0.04, 0.08)
 _TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
 
 #: A question for another target, with the choices of a design.
@@ -122,30 +120,15 @@ def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
     return answer(study, name, study.design[name], model)
 
 
-def answer(
-    study: Study,
-    name: str,
-    target: Target,
-    model: GaussianProcess,
-    tell: Callable[[str], None] = lambda words: None,
-) -> Answer:
+def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> Answer:
     """Answer any target on the study's factors; see `solve_target`."""
     several = len(target.objectives) > 1
-    for share in (*_WIDER, np.inf):
-        candidates = _candidates(study, name, target, model, tell)
-        tell("polishing on the exact solver")
-        best = polish.first_feasible(sorted(candidates, key=lambda candidate: _rank(candidate.best), reverse=True))
-        if model.region_ is None or not (reason := _refusal(best)):
-            break
-        if not np.isfinite(share):
-            raise InputError(f"design: {name}: the best design has a case that the solver refuses: {reason}")
-        model = model.within(model.region_.narrower(share))
-    tell("judging on the exact solver")
+    candidates = _candidates(study, name, target, model)
+    best = polish.first_feasible(sorted(candidates, key=lambda candidate: _rank(candidate.best), reverse=True))
     judged = assessment.judge(best.design)
     if judged.outside and not target.allow_outside_interval:
         raise InputError(f"design: {name}: {judged.outside}; allow_outside_interval: true would accept it")
     toleranced = target.tolerance and best.best.feasible and not several
-    tell("the fields of the design")
     pictures = [map_and_slices(best.design), contact_fields.fields(best.question.study, judged.case)]
     if any(candidate.front is not None for candidate in candidates):
         pictures.append(_front(candidates).reindex(factor=[variable.name for variable in judged.variables]))
@@ -154,7 +137,7 @@ def answer(
         target=name,
         polish=best.polish,
         source=SOURCE_OF_FILMS if study.kind.tabled else SOURCE,
-        tolerated=_costs(study, name, target, model, best, tell) if toleranced else None,
+        tolerated=_costs(study, name, target, model, best) if toleranced else None,
         categories=_categories(target, best),
         choices=_choices(best, candidates, 1.0 if several else target.objectives[0].sign),
         pictures=xr.merge(pictures, compat="no_conflicts", join="outer"),
@@ -172,31 +155,26 @@ def _left_out(study: Study, target: Target, judged: Answer) -> tuple[leftout.Lef
     return leftout.budget(*(leftout.of_study(study, case, smallest, band) for case in cases))
 
 
-def _refusal(best: Candidate) -> str:
-    """Why the solver refuses the design in some corner; empty where it answers all.
-
-    The margin of the edge promises most of all cases, and a search finds the place where it promises too much.
-    """
-    return best.question.exact.refusal(best.design.factors(best.question.judged[False]))
-
-
-def _candidates(
-    study: Study, name: str, target: Target, model: GaussianProcess, tell: Callable[[str], None]
-) -> list[Candidate]:
-    """The best design of every choice."""
-    return _search([_asked(study, name, target, model, choice) for choice in combinations(study, target)], tell)
+def _candidates(study: Study, name: str, target: Target, model: GaussianProcess) -> list[Candidate]:
+    """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
+    asked = [_asked(study, name, target, model, choice) for choice in combinations(study, target)]
+    several = asked[0].question.objectives > 1
+    traced = [trace(candidate.question) if several else None for candidate in asked]
+    fronts = [traced_front for traced_front in traced if traced_front is not None]
+    scales = normalisation(fronts) if fronts else None
+    return [
+        _climbed(replace(candidate, front=traced_front, normalisation=scales))
+        for candidate, traced_front in zip(asked, traced, strict=True)
+    ]
 
 
-def _costs(
-    study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate, tell: Callable[[str], None]
-) -> Tolerated:
+def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> Tolerated:
     """Cost of the tolerances of the best design."""
-    tell("what the tolerances cost")
     nominal = without_tolerances(target)
     if costly.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = near(best, _asked(study, name, nominal, model, best.choice))
     else:
-        others = _candidates(study, name, nominal, model, lambda words: tell(f"what the tolerances cost: {words}"))
+        others = _candidates(study, name, nominal, model)
         without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
 
     def asked(other: Target) -> Question:
@@ -223,31 +201,12 @@ def _asked(
     held = {key: float(value) for key, value in choice.items() if key not in categories}
     wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
     narrowed, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
-    return Candidate(choice, ask(narrowed, name, target, predicted, Exact(narrowed, predicted), held))
+    return Candidate(choice, ask(narrowed, name, target, predicted, Exact(narrowed), held))
 
 
 def _rank(best: Optimum) -> tuple[bool, float]:
     """Feasible before infeasible; then the objective, or the least violation."""
     return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
-
-
-def _search(candidates_of_choices: list[Candidate], tell: Callable[[str], None]) -> list[Candidate]:
-    """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
-    traced: list[Front | None] = [None] * len(candidates_of_choices)
-    if candidates_of_choices[0].question.objectives > 1:
-        tell("tracing the front")
-        traced = [trace(candidate.question) for candidate in candidates_of_choices]
-    fronts = [traced_front for traced_front in traced if traced_front is not None]
-    scales = normalisation(fronts) if fronts else None
-    candidates = []
-    for number, (question, traced_front) in enumerate(zip(candidates_of_choices, traced, strict=True), 1):
-        tell(
-            f"searching, choice {number} of {len(candidates_of_choices)}"
-            if len(candidates_of_choices) > 1
-            else "searching"
-        )
-        candidates.append(_climbed(replace(question, front=traced_front, normalisation=scales)))
-    return candidates
 
 
 def _climbed(candidate: Candidate) -> Candidate:

@@ -11,13 +11,16 @@ from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
+import scipy  # scipy.optimize, slow to import, and few designs need it
 import xarray as xr
-from scipy.optimize import brentq
 
+from approximation.arrays import Array
 from solver import FactorError, Material, MaterialError, Stack, solve
 from solver.body import Kind
 from solver.face.heat import charged_area, responses, stack_of
 from solver.face.strain import DEEP, WIDE
+from solver.heat.charge import film_gap
+from solver.heat.touch import Spot
 from solver.material.punches import RIGID_PUNCH, punches
 from solver.names import BODY, CHOICES, FACTORS, NEVER_TEMPERATURE
 from workflow.language import titles
@@ -51,6 +54,7 @@ _STEEP = 0.01  # rms over the contact's radius: waves that long and higher have 
 _FEW = 0.1  # share of the charge from which bending and the end of a pad matter, and of the force a weight
 _STEP = 1.1  # factor of the load for the powers by which depth and pressure grow
 _APART = 3.8  # p*/p0 at which both laws of roughness meet
+_ROUND = ("sphere", "rough_sphere", "cylinder", "roller")
 _READ = ("patch_charge_per_force", "electrode_charge_per_force", "charge_per_force")
 _CAPACITANCE = ("capacitance_at_force", "capacitance_at_load", "capacitance", "capacitance_per_length")
 
@@ -153,8 +157,8 @@ class SolvedCase:
 
     @property
     def radius(self) -> float | None:
-        """Radius of a ball or cylinder [m]; None of other punches."""
-        return float(self.factors["radius"]) if self.profile in ("sphere", "cylinder") else None
+        """Radius of a ball, cylinder or roller [m]; None of other punches."""
+        return float(self.factors["radius"]) if self.profile in _ROUND else None
 
     @property
     def charge(self) -> float:
@@ -218,10 +222,10 @@ def budget(case: SolvedCase, pressed: SolvedCase | None = None) -> tuple[LeftOut
 
 
 def _rank(effect: LeftOut) -> float:
-    """Exceeded limits first, then by the ratio to the band; last what has none."""
+    """By the ratio to the band; an exceeded limit follows what takes the word "recommended"; last what has none."""
     if np.isfinite(effect.left_out_ratio):
         return -effect.left_out_ratio
-    return -np.inf if effect.left_out_size > effect.left_out_matters else 1.0
+    return -MOST if effect.left_out_size > effect.left_out_matters else 1.0
 
 
 def largest(effects: Sequence[LeftOut], moved: Set[str]) -> LeftOut | None:
@@ -243,6 +247,11 @@ def _effect(
 ) -> LeftOut:
     words = f"{capital(brief)}{detail}."
     return LeftOut(name, moves, size, matters, units, share, share / case.shown_band, brief, words)
+
+
+def _unknown(case: SolvedCase, name: str, moves: str, units: str, brief: str) -> LeftOut:
+    """An effect without a figure."""
+    return _effect(case, name, moves, np.nan, np.nan, units, np.nan, brief, "")
 
 
 def _times(share: float) -> str:
@@ -280,9 +289,7 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     if not np.isfinite(case.charge):
         return
     if case.kind.space:
-        yield _effect(
-            case, "heat", "signal", np.nan, np.nan, "K", np.nan, "heat is not solved for contacts in space", ""
-        )
+        yield _unknown(case, "heat", "signal", "K", "heat is not solved for contacts in space")
         return
     start = float(case.factors.get("body_temperature") or FACTORS["body_temperature"].default or 0.0)
     factors = {"touch_temperature": start + WARMER, "hold": case.reading_time, **case.factors}
@@ -293,7 +300,7 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     except (FactorError, MaterialError) as error:
         out, lacking = xr.Dataset(), f"not known: {error}" if case.kind.layered else "known of films only"
     if "temperature_equal" not in out:
-        yield _effect(case, "heat", "signal", np.nan, np.nan, "K", np.nan, f"heat is {lacking}", "")
+        yield _unknown(case, "heat", "signal", "K", f"heat is {lacking}")
         return
     equal = float(out["temperature_equal"].squeeze())
     share = rise / equal
@@ -326,12 +333,22 @@ def _pad(case: SolvedCase) -> Iterator[LeftOut]:
     yield _effect(case, "end of the pad", "signal", PAD * share / _FEW, PAD, "m", share, brief, detail)
 
 
-def _through_gap(case: SolvedCase) -> float:
-    """Charge by the same polarisation of all of the film over that of the contact's part, of a punch that reads it."""
-    if "collector" in case.factors or case.stack is None or case.kind.space:
-        return 1.0
-    alone = np.pi * case.half**2 if case.point else 2 * case.half
-    return charged_area({**case.factors, **case.solved}, case.stack) / alone
+def _moments_over_charge(case: SolvedCase, stack: Stack, moments: Callable[[Array], Array]) -> float:
+    """Integral of a base's bending moments at distances from the force over the film whose charge is read.
+
+    In air a punch reads through its gap as well (docs/heat.md), insulated as much as its capacitance says.
+    """
+    pad = case.collecting
+    edges = pad * np.append(np.linspace(0.0, 1.0, 65), np.geomspace(1.0, SUPPORT / pad, 257)[1:])
+    r, areas = (edges[1:] + edges[:-1]) / 2, np.diff(np.pi * edges**2 if case.point else 2 * edges)
+    is_read_by_punch = "collector" not in case.factors
+    radius = case.radius if is_read_by_punch and case.kind.air else None
+    gap = Spot("disc" if case.point else "strip", pad, radius=radius).gap(r)
+    collected = areas / (1 + gap / max(film_gap(stack), np.finfo(float).tiny)) @ moments(r)
+    if not is_read_by_punch or case.kind.air:
+        return float(collected)
+    shape = {**case.factors, **case.solved} | ({"contact_radius": case.half} if case.point else {})
+    return float(collected / areas[gap == 0].sum() * charged_area(shape, stack))
 
 
 def _bending(case: SolvedCase) -> Iterator[LeftOut]:
@@ -344,6 +361,9 @@ def _bending(case: SolvedCase) -> Iterator[LeftOut]:
     stack = case.stack
     if stack is None or isinstance(stack.base, str) or not np.isfinite(case.charge):
         return
+    if case.kind.space and case.profile not in ("sphere", "rough_sphere"):
+        yield _unknown(case, "bending of the base", "", "m", "bending of the base is not figured for this punch")
+        return
     base = stack.base
     poisson = float(base.c12 / (base.c11 + base.c12))
     biaxial = float(base.c11 + base.c12 - 2 * base.c13**2 / base.c33)  # E/(1 - nu) of an isotropic base
@@ -352,13 +372,14 @@ def _bending(case: SolvedCase) -> Iterator[LeftOut]:
     coefficient = max(abs(float(film.e31 - film.e33 * film.c13 / film.c33)) for film in films)
     if not np.isfinite(biaxial) or not coefficient:
         return
-    pad = case.collecting
-    if case.point:
-        moments = pad**2 / 4 * (2 * (1 + poisson) * (np.log(SUPPORT / pad) + 0.5) + 1 - poisson)
-        stretched = 6 / biaxial * moments
-    else:
-        stretched = 6 / plate * (SUPPORT - pad / 2) * pad
-    thickness = float(np.sqrt(coefficient * _through_gap(case) * stretched * case.force / (_FEW * case.charge)))
+
+    def moments(r: Array) -> Array:
+        if case.point:
+            return np.asarray((2 * (1 + poisson) * np.log(SUPPORT / r) + 1 - poisson) / (4 * np.pi))
+        return (SUPPORT - r) / 2
+
+    stretched = 6 / (biaxial if case.point else plate) * _moments_over_charge(case, stack, moments)
+    thickness = float(np.sqrt(coefficient * stretched * case.force / (_FEW * case.charge)))
     brief = f"a base thinner than {shown(thickness, 'm', 2)} on supports {shown(SUPPORT, 'm', 2)} away bends"
     detail = f", and changes the charge by more than {number(100 * _FEW, 2)} %"
     yield _effect(case, "bending of the base", "", thickness, np.nan, "m", np.nan, brief, detail)
@@ -374,7 +395,10 @@ def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
     """
     if not case.radius:
         return
-    constant = np.pi**2 if case.point else 4 * np.pi
+    if case.profile == "rough_sphere":
+        yield _unknown(case, "roughness", "stress", "m", "roughness is solved")
+        return
+    constant = np.pi**2 if case.point and case.profile != "roller" else 4 * np.pi
     double = case.half**2 / (constant * case.radius)
     rms = min(ROUGHNESS, _STEEP * case.half)
     waves = rms / double  # p*/p0
@@ -395,6 +419,8 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
     theta/theta_1, theta_1 = a^2/(R L). The load of all slices, the integral of u^n over s, is s. In thick bodies
     slices sink beside each other, so that more of the length stays in contact.
     """
+    if case.profile == "roller":
+        yield _unknown(case, "tilt", "stress", "rad", "tilt and ends of the roller are solved")
     if case.point or not case.radius:
         return
     n, m = _powers(case) if case.kind.layered else (1.0, 0.5)
@@ -405,7 +431,7 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
         def overload(middle: float) -> float:
             return float((middle + falls / 2) ** (n + 1) - (middle - falls / 2) ** (n + 1)) - (n + 1) * falls
 
-        deepest = float(brentq(overload, falls / 2, 2.0)) + falls / 2
+        deepest = float(scipy.optimize.brentq(overload, falls / 2, 2.0)) + falls / 2
     factor, left = deepest**m, min(deepest / falls, 1.0)
     lifting, doubling = (TILT / falls * end for end in ((n + 1) ** (1 / n), 2 ** ((n + 1) / m) / (n + 1)))
     brief = f"a tilt of {shown(TILT, 'rad', 2)} raises the largest pressure {_raised('', factor)}"
@@ -433,8 +459,9 @@ def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
     Tabor, J. Colloid Interface Sci. 58 (1977) 2. The charge per force of a film changes by less than the contact
     widens, that of a half-space not at all.
     """
-    if not case.point or not case.radius:
+    if case.profile != "sphere":
         return
+    assert case.radius is not None
     modulus = 3 * case.force * case.radius / (4 * case.half**3)  # by Hertz
     tabor = (case.radius * ADHESION**2 / (modulus**2 * ATOMS**3)) ** (1 / 3)
     pull = (1.5 if tabor > 1 else 2.0) * np.pi * ADHESION * case.radius
@@ -461,12 +488,12 @@ def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
     is_leaky = np.isfinite(resistance)
     left = -bias * resistance * np.expm1(-time / lasting) if is_leaky else bias * time / whole
     brief = f"the bias current adds {_times(left / signal)} the signal in {shown(time, 's', 2)}"
-    detail = f"; {shown(bias, 'A', 2)} adds {shown(left, 'V', 2)} where the signal is {shown(signal, 'V', 2)}"
+    detail = f"; {shown(bias, 'A', 2)} adds {shown(left, 'V', 2)} where the signal is {shown(signal, 'V', 3)}"
     if is_leaky:
         detail += f", and {shown(bias * resistance, 'V', 2)} in the end (time constant {shown(lasting, 's', 2)})"
     if np.isfinite(case.smallest_force) and bias:
         drift = case.smallest_force / case.force * case.charge / bias
-        detail += f"; it equals the smallest force after {shown(drift, 's', 2)}"
+        detail += f"; its charge equals that of the smallest force after {shown(drift, 's', 2)}"
     yield _effect(case, "amplifier", "signal", left, signal, "V", left / signal, brief, detail)
 
 
@@ -480,10 +507,13 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
         return
     known = punches().get(which)
     density, body = (known.density, which.replace("_", " ")) if known else (DENSITY, "steel")
-    volume = 4 / 3 * np.pi * case.radius**3 if case.point else np.pi * case.radius**2 * case.length
+    if case.profile == "roller":
+        volume = np.pi * case.radius**2 * float(case.factors["length"])
+    else:
+        volume = 4 / 3 * np.pi * case.radius**3 if case.point else np.pi * case.radius**2 * case.length
     weight = density * volume * GRAVITY
     solved = case.solved
-    if weight > _FEW * case.force:
+    if weight > _FEW * case.force and case.profile != "rough_sphere":  # whose waves are fitted to its contact
         solved = case.quantities({case.kind.loads.force: (case.force + weight) / case.length})
     brief = f"the punch's weight is {_times(weight / case.force)} the force"
     detail = f"; solid {body} weighs {shown(weight, 'N', 3)} beside {shown(case.force, 'N', 3)}"
@@ -506,7 +536,7 @@ def _friction(case: SolvedCase) -> Iterator[LeftOut]:
     tension = case.solved["trailing_tension"]
     tension_at_rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
     brief = f"friction slides everywhere, with a tension of {shown(tension, 'Pa', 3)}"
-    detail = f"; a press without motion has {shown(tension_at_rest, 'Pa', 3)} where friction does not act"
+    detail = f"; a press without motion has less, without friction {shown(tension_at_rest, 'Pa', 3)}"
     yield _effect(case, "friction", "", tension, np.nan, "Pa", np.nan, brief, detail)
 
 

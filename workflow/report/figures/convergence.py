@@ -14,8 +14,6 @@ from workflow.report.figures.style import styled
 _CONVERGENCE = {
     "collocation_terms": ("collocation, polynomial profiles", False),
     "collocation_circle": ("collocation, the whole circle", False),
-    "fem_fields": ("finite elements, given tractions", True),
-    "fem_contact": ("finite elements, unilateral contact", True),
     "film_resolution": ("load on a film, default resolution", True),
     "film_elements": ("spectral elements, load on a film", False),
     "film_air": ("spectral elements, voltage of a film in air", False),

@@ -117,7 +117,7 @@ function judging(panel) {
     const points = target ? scenarios(target, t, few ? target.few : undefined) : [];
     const found = over ? points.map((one) => evaluate(tree, one.values)) : [evaluate(tree, values(t))];
     const limits = target ? target.limits.filter((one) => one.judged).map((one) => beyond(one, points)) : [];
-    const broken = limits.some((one) => one > 0) || refusal(panel.model, t) !== "";
+    const broken = limits.some((one) => one > 0);
     return { goal: (maximise ? Math.min : Math.max)(...found), limits, broken };
   }
 

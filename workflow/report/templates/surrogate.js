@@ -18,7 +18,6 @@ function loadSurrogate(plain) {
   }
   if (plain.curves) model.curves = loadCurves(plain.curves);
   if (plain.together) model.together = loadTogether(plain.together);
-  if (plain.region) model.region = { ...plain.region, coefficients: readArray(plain.region.coefficients).data, places: readArray(plain.region.places) };
   if (plain.interval) {
     model.interval = { level: plain.interval.level };
     for (const name of ["lower", "upper", "rooms"]) model.interval[name] = readArray(plain.interval[name]).data;
@@ -123,16 +122,6 @@ function learnt(model, t) {
   const T = by.along.map((one, k) => chebyshev(one, Math.max(counts[model.order.indexOf(k)], model.factors?.[k].decay.length ?? 0)));
   const mean = Float64Array.from(model.trains, (train, p) => by.told(contract(train, model.order, T), p));
   return { process: model, along: by.along, T, mean, size: (p) => by.size(mean[p], p) };
-}
-
-// Why a point has no answer: the reason of the nearest known case that is refused; empty where it has one.
-function refusal({ region }, t) {
-  if (!region) return "";
-  const T = t.map((x) => chebyshev(x, region.degree + 1));
-  const terms = region.degrees.map((row) => row.reduce((product, degree, k) => product * T[k][degree], 1));
-  if (terms.reduce((sum, term, m) => sum + region.coefficients[m] * term, -region.least) >= 0) return "";
-  const far = region.which.map((_, n) => t.reduce((sum, x, k) => sum + (x - region.places.data[n * t.length + k]) ** 2, 0));
-  return region.reasons[region.which[far.indexOf(Math.min(...far))]];
 }
 
 // Means of all outputs.

@@ -34,18 +34,7 @@ function startWhatIf(root) {
     showFigures(found, judge.errors(answer));
     showLimits();
     showHeadlines(found);
-    showRefusal();
     watchers.forEach((told) => told(found));
-  }
-
-  // Where the solver refuses cases, next to nothing is said.
-  function showRefusal() {
-    const told = root.querySelector("[data-refusal]");
-    if (!told) return;
-    const reason = refusal(model, point);
-    told.hidden = !reason;
-    told.textContent = reason && `No answer here, beyond the edge of the cases that have one. ${reason}`;
-    root.querySelectorAll(".quantities, .tiles, ul.limits").forEach((one) => { one.style.visibility = reason ? "hidden" : ""; });
   }
 
   function showInputs(values) {
