@@ -16,7 +16,6 @@ _SAMPLES = 8  # a side of a cell that the end of a punch cuts
 _LEAST_POINTS = 4  # a side of a height map: those of a cubic spline
 _MOST_POINTS = 4096  # a side of a height map: 134 MB
 _WAVES = 400  # of a rough surface: the root mean square of its heights in a contact then scatters as that of a real one
-_FARTHEST_WAVES = 1e3  # gap over the roughness beyond which waves are left out of a grid
 _HURST = 0.8  # of polished and ground surfaces
 
 
@@ -147,12 +146,9 @@ class RoughSphere(Shape):
         along, across, amplitude = self._waves
         x, y = np.asarray(x), np.asarray(y)
         heights = np.asarray((np.square(x) + np.square(y)) / (2 * self.radius))
-        if x.ndim == 2 and x.shape[1] == 1 and y.ndim == 1:  # a grid: waves are products, and count near the contact
-            reach = np.sqrt(2 * self.radius * _FARTHEST_WAVES * self.roughness)
-            near = np.ix_(np.abs(x[:, 0]) < reach, np.abs(y) < reach)
-            x, y = x[near[0][:, 0], 0], y[near[1][0]]
-            heights[near] += (np.exp(1j * np.outer(x, along)) * amplitude @ np.exp(1j * np.outer(across, y))).real
-            return heights
+        if x.ndim == 2 and x.shape[1] == 1 and y.ndim == 1:  # a grid, of products
+            waves_x, waves_y = np.exp(1j * along * x), np.exp(1j * np.outer(across, y))
+            return np.asarray(heights + (waves_x * amplitude @ waves_y).real)
         waves = amplitude * np.exp(1j * (along * x[..., None] + across * y[..., None]))
         return np.asarray(heights + np.sum(waves, axis=-1).real)
 
