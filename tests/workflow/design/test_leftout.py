@@ -310,12 +310,12 @@ def test_a_base_that_bends_and_a_pad_that_ends() -> None:
     half, radius, film = 36.175e-6, 0.02, 93.16e-9  # film: 80 um eps0/(7.603 nF/m)
 
     def moments(r: float) -> float:  # of 0.2 N over the distance, times the circumference
-        return 0.2 * r / 2 * (2.6 * np.log(0.01 / r) + 0.7)
+        return float(0.2 * r / 2 * (2.6 * np.log(0.01 / r) + 0.7))
 
     def collected(r: float) -> float:
         root = np.sqrt(r**2 / half**2 - 1)
         gap = half**2 / (np.pi * radius) * (root + (r**2 / half**2 - 2) * np.arccos(half / r))
-        return film / (film + gap)
+        return float(film / (film + gap))
 
     whole = quad(moments, 0, half)[0] + sum(
         quad(lambda r: moments(r) * collected(r), *ends)[0] for ends in ((half, 1e-4), (1e-4, 1e-3), (1e-3, 0.01))
