@@ -46,7 +46,7 @@ FACTORS: dict[str, Factor] = {
         "rad", "angle of a cut: of a rotated Y from Y towards Z, or of a tilt", None, -2 * pi, high=2 * pi
     ),
     "grid_error": Factor(
-        "1", "largest relative error of a contact in space, by which its grid is refined", 1e-3, 1e-6, high=0.1
+        "1", "largest relative error of a contact in space, by which its grid is refined", 5e-3, 1e-6, high=0.1
     ),
     "thickness": positive("m", "thickness of a film", optional=True),
     "base_volume_fraction": Factor(
