@@ -19,10 +19,9 @@ RECIPES: dict[str, Steps] = {
     "a composite law": {
         "solver/material/inverse.py": {
             "": (
-                "from solver.material.composite import fibrous\n"
-                "\n"
-                "\n"
                 "def inverse(phases, fraction):\n"
+                "    from solver.material.composite import fibrous  # which imports this law\n"
+                "\n"
                 "    return fibrous(phases[1], phases[0], 1 - fraction)\n"
             )
         },

@@ -188,16 +188,20 @@ class _Repeated(HalfPlane):
         return self._distinct
 
     def of_cases(self, values: Array) -> Array:
-        return np.moveaxis(np.take(np.moveaxis(values, 0, -1), self._case_index, -1), -1, 0)  # cases contiguous
+        return np.moveaxis(self._taken(np.moveaxis(values, 0, -1)), -1, 0)  # cases contiguous
+
+    def _taken(self, values: Array) -> Array:
+        """Values of each case along the last axis, which all distinct half-planes may share; (..., case)."""
+        is_shared = values.ndim == 0 or values.shape[-1] == 1
+        return values if is_shared else np.take(values, self._case_index, -1)
 
     @cached_property
     def material(self) -> Material:
-        material, index = self._distinct.material, self._case_index
-        return combined(lambda values: values[index] if values.shape else values, [material], material.name)
+        return combined(self._taken, [self._distinct.material], self._distinct.material.name)
 
     @cached_property
     def speed(self) -> Array:
-        return self._distinct.speed[self._case_index] if self._distinct.speed.shape else self._distinct.speed
+        return self._taken(self._distinct.speed)
 
     @cached_property
     def _barnett_lothe(self) -> tuple[Array, Array]:

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 
-from solver.arrays import SYNONYMS
 from workflow.language.wordings import RENAMED, TITLES
 
 _MANY = 20  # names, more than a reader looks through
@@ -17,6 +16,8 @@ def suggested(name: str, known: Collection[str]) -> str | None:
     # a line has a voltage per load, a point one per force
     renamed = {old: (new, new.replace("_per_load", "_per_force")) for old, new in RENAMED.items()}
     called |= {old: new for old, every in renamed.items() for new in reversed(every) if new in known}
+    from solver.arrays import SYNONYMS  # with numpy, which the help does without
+
     called |= {word: meant for word, meant in SYNONYMS.items() if meant in known} | {word: word for word in known}
     word = name.strip().replace(" ", "_")
     begun = [candidate for candidate in called if len(word) >= _BEGUN and candidate.startswith(word)]

@@ -1,16 +1,14 @@
 """Groups in a study: which are told apart, what is refused in one line, and similar cases that the data set holds."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from storage.netcdf import write_whole
 from surrogate import GroupedGP
 from tests.studies import fitted, made, refusal
-from workflow.dataset import factorial, levels
+from workflow.dataset import factorial
 from workflow.learning import training
 from workflow.study import representatives
 from workflow.study.model import Study
@@ -93,22 +91,6 @@ def test_logarithms_are_chosen_by_decay_and_refused_of_signs() -> None:
     wrong = learned.assign(voltage=learned["voltage"] - learned["voltage"].mean())
     with pytest.raises(InputError, match=r"surrogate: log: 'voltage' is from -.* to .*: no logarithm"):
         factorial.grouping(signs, wrong)
-
-
-def test_open_scales_are_those_along_which_coefficients_fall_fastest(half_plane: Study, tmp_path: Path) -> None:
-    text = STUDY.replace("volume_fraction: {levels: 8, scale: logit}", "volume_fraction: {}")
-    text = text.replace("tolerance: 1e-3", "tolerance: 1e-4").replace("low: 0.2, high: 0.8", "low: 0.05, high: 0.95")
-    text = text.replace("{levels: 5}", "{levels: 7}").replace("{levels: 3}", "{levels: 5}")
-    opened = made(text.replace("friction: {levels: 4}", "friction: {levels: 6}"))
-    chosen = levels.choose(opened)
-    assert str(chosen["scale"].sel(input="volume_fraction").item()) == "logit"
-    write_whole(chosen, tmp_path / "levels.nc")
-    closed = levels.with_levels(opened, [tmp_path / "levels.nc"])
-    assert closed.axes["volume_fraction"].scale == "logit"
-    assert closed.axes["volume_fraction"].levels == int(chosen["levels"].sel(input="volume_fraction"))
-    assert closed.axes["load_radius_per_datum2"] == half_plane.axes["load_radius_per_datum2"].model_copy(
-        update={"levels": 7}
-    )
 
 
 def test_a_half_plane_without_the_datum_in_a_group_is_told_what_hangs_on_it() -> None:
