@@ -220,7 +220,7 @@ class _Problem:
             tangents = {name: linear.tangent(_TANGENT * error) for name, linear in solved.items()}
             results = {name: load for each in (grounded, *solved.values()) for name, load in _loads(each).items()}
             tangent, results["capacitance"] = tangents["main"]
-            if self.body.fields and abs(tangent[0, 1]) > 0:
+            if "charge" in results or "voltage" in results:  # of a body that couples
                 results["stroke"] = float(tangent[0, 1] / tangent[0, 0])
             if not self._reaches_end(grid, state):
                 results["pressure"] = float(np.max(solved["main"].state.pressure)) / system.compliance

@@ -126,7 +126,7 @@ class System:
             border = np.concatenate([*edges, np.full(1, np.inf)]) * float(np.min(resistances[-1]))
             if np.min(border) > _NEGLIGIBLE * single[-1] * max(grid.shape):
                 break
-            # the first has cells twice as long, the others count little: all of them shrink as those of the grid do
+            # all shrink as the cells of the grid do; the first, next to the contact, has cells twice as long
             cells = min(self.grid.shape) if grid is self.grid else min(self.grid.shape) // 2
             coarse = _around(grid, grows, 4 * max(cells // 4, 1))
             table = kernel(body, punch, pairs, coarse.shape, *coarse.size, is_level=True)
