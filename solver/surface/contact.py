@@ -10,7 +10,7 @@ from scipy.ndimage import map_coordinates
 
 from solver.arrays import Array, BoolArray, is_finite
 from solver.material.constants import VACUUM_PERMITTIVITY
-from solver.surface.newton import Grid, Linearised, Loading, State, System, converged
+from solver.surface.newton import NO_COUPLING, Grid, Linearised, Loading, State, System, converged
 from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
 from solver.surface.shape import Map, RoughSphere, Shape
 
@@ -28,7 +28,6 @@ _SLENDER = 8.0  # largest ratio of the lengths of a cell
 _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
 _SECANT = 0.16  # change of the load's logarithm for the stiffness: a twentieth of the contact's width, several cells
-_ROUNDING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
 # difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
 # like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower
 _SHARE_LEFT = {
@@ -385,9 +384,9 @@ def _loads(linear: Linearised) -> dict[str, float]:
     loading, per_volt = linear.system.loading, linear.system.per_volt
     mechanical = {"depth": linear.state.depth} if loading.force is not None else {"force": force}
     if loading.charge is not None:
-        coupled = abs(linear.state.potential) > _ROUNDING * linear.state.depth
+        coupled = abs(linear.state.potential) > NO_COUPLING * linear.state.depth
         return mechanical | ({"voltage": linear.state.potential / per_volt} if coupled else {})
-    return mechanical | ({"charge": charge} if abs(charge) > _ROUNDING * force * per_volt else {})
+    return mechanical | ({"charge": charge} if abs(charge) > NO_COUPLING * force * per_volt else {})
 
 
 def _contact(

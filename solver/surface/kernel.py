@@ -332,6 +332,8 @@ def kernel(
         added = dx * _half_space_cells(punch, elastic, nx, ny, aspect)
         for pair, value in zip(elastic, added, strict=True):  # the punch is the mirror image of a body
             cells[pairs.index(pair)] += value if pair[1] == NORMAL else -value
+    if not body.couples:  # without the rounding of perturbed roots
+        cells[[(i == PHI) != (J == PHI) for i, J in pairs]] = 0.0
     padded = (scipy.fft.next_fast_len(2 * nx - 1), scipy.fft.next_fast_len(2 * ny - 1, True))
     spectra: dict[tuple[int, int], Array | ComplexArray] = {}
     circulant: dict[tuple[int, int], Array | ComplexArray] = {}

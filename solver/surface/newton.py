@@ -34,6 +34,8 @@ _CUT = 0.52  # of the elastance of a cell, times 1/w - 1 for a share w: a disc o
 _LEAST_GAP = 1e-15  # m, of undeformed punches: rough ones reach below their mean; its capacitance shorts a cell
 _ROUNDING = 0.05  # resistance of the gap over the elastance of a cell, below which the gap counts as closing
 _STALLED = 2e-3  # residual that is accepted where the iteration ends
+NO_COUPLING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
+_HARDLY_COUPLED = 1e-4  # charge over pressure, in scaled units, below which residuals count as those of this ratio
 _FORCING = 0.02  # share of a residual that the linear solution of one step leaves
 
 
@@ -511,11 +513,13 @@ class Linearised:
     def error(self) -> float:
         """Largest of the residuals over depression, over potential by a charge, and of the loads over their sums."""
         state, tiny = self.state, np.finfo(float).tiny
+        # the charge of a body that hardly couples need not be exact beside its rounding
+        area, least = self.system.area, _HARDLY_COUPLED * np.max(np.abs(state.pressure))
         scales = [
             self._root * np.max(np.abs(self.depression)),
-            self._root * np.max(np.abs(state.charge)),
+            self._root * max(np.max(np.abs(state.charge)), least),
             np.sum(state.pressure) / self._root,
-            self.system.area @ np.abs(state.charge) / self._root,
+            max(area @ np.abs(state.charge), _HARDLY_COUPLED * np.sum(state.pressure)) / self._root,
         ]
         sizes = [*(float(np.linalg.norm(rows)) for rows in self.residual), *np.abs(self.missing)]
         return max(float(size / max(scale, tiny)) for size, scale in zip(sizes, scales, strict=True))

@@ -87,6 +87,11 @@ class SurfaceBody:
         return PHI + 2 if coupled else PHI + 1
 
     @cached_property
+    def couples(self) -> bool:
+        """True if displacements couple to a potential in a material."""
+        return any(np.any(E[:, :PHI, PHI:]) for E in self.stiffnesses)
+
+    @cached_property
     def scale(self) -> Array:
         """Units of U in which the entries of the stiffness of the top have the order of one; (m,)."""
         diagonal = np.abs(np.einsum("iJJi->J", self.stiffnesses[0]))[: self.fields]
