@@ -378,7 +378,7 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     assert rigid.left_out_words.startswith("Heat is not known for the base 'rigid': conductivity")
     half_space = effects({"material": "PZT-4", "profile": "sphere", "radius": 0.02, "force": 0.2})
     assert half_space["roughness"].left_out_words.endswith("the charge does not move.")
-    assert half_space["heat"].left_out_words == "Heat is known of films only."
+    assert half_space["heat"].left_out_words == "Heat is solved for films only."
     assert next(iter(half_space)) == "mass of the punch"  # of 13 times the force
     assert "depoling stress" in half_space
     roller = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "profile": "roller", "radius": 0.005}

@@ -298,7 +298,7 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
         out = case.solve(factors)
         lacking = str(out.attrs.get("heat", "not known for this body"))
     except (FactorError, MaterialError) as error:
-        out, lacking = xr.Dataset(), f"not known: {error}" if case.kind.layered else "known of films only"
+        out, lacking = xr.Dataset(), f"not known: {error}" if case.kind.layered else "solved for films only"
     if "temperature_equal" not in out:
         yield _unknown(case, "heat", "signal", "K", f"heat is {lacking}")
         return
