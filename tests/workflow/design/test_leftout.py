@@ -138,7 +138,7 @@ def test_words_say_how_long_and_how_much() -> None:
 
 
 def test_adhesion_moves_a_films_charge_as_a_wider_contact_does() -> None:
-    def answer(case: Mapping[str, Any]) -> xr.Dataset:  # charge per force that falls with the radius, a^3 with the force
+    def answer(case: Mapping[str, Any]) -> xr.Dataset:  # falls with the radius, a^3 with the force
         return xr.Dataset(POINT | {"charge_per_force": -2e-10 * (0.02 / case["force"]) ** (1 / 3)})
 
     film = effects(BALL | {"radius": 0.017, "force": 0.02}, answer)["adhesion"]
