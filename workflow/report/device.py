@@ -51,6 +51,7 @@ class Device:
     grounded: bool = False
     exponent: float = 1.0  # Of the profile of a power
     slides: bool = False  # Whether it has friction
+    top: str = "film"  # What the thickness is of
 
     @property
     def point(self) -> bool:
@@ -223,7 +224,7 @@ def _dimensions(device: Device) -> tuple[list[str], list[str]]:
     return whole, [
         *parts,
         f'<path d="M{place} {_SURFACE} V{interface:.2f}" {_BOTH_ENDS}/>',
-        _text(place - 8, words, f"film {shown(device.thickness, 'm', 3)}", INK, "end"),
+        _text(place - 8, words, f"{device.top} {shown(device.thickness, 'm', 3)}", INK, "end"),
         _text(_NEAR[0] + 8, _LOW - 10, escape(device.base) + below, SOFT, "start"),
     ]
 

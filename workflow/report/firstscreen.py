@@ -127,6 +127,7 @@ def of_case(study: Study, case: Case, contact: Mapping[str, float]) -> device.De
         _grounded(study, case),
         float(case.get("exponent", 1.0)),
         float(case.get("friction", 0.0)) > 0,
+        "top layer" if len(study.body) > 1 else "film",
     )
 
 

@@ -245,6 +245,7 @@ def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
         "thickness": thickness,
         "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what a slider moves would not follow
         "grounded": drawn.grounded,
+        "top": drawn.top,
         "exponent": "exponent" if "exponent" in study.factors else drawn.exponent,
         "slides": "friction" if "friction" in study.factors else float(drawn.slides),
         "point": drawn.point,

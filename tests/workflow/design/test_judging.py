@@ -84,6 +84,8 @@ def test_a_wide_or_deep_contact_is_beyond_small_strain() -> None:
     wide, deep = linearity.beyond_small_strain(fingertip, corner, radius, thickness)
     assert wide[0] == "a contact half-width of 4.9 mm is 0.49 of the punch radius and exceeds 0.2 of it"
     assert deep[0] == "a depth of 2.4 mm is 0.8 of the film's thickness and exceeds 0.1 of it"
+    ((slightly, _),) = linearity.beyond_small_strain(fingertip, corner, None, thickness * 2.4 / 3 * 9.97)
+    assert slightly.endswith(" is 0.1003 of the film's thickness and exceeds 0.1 of it")
     assert linearity.beyond_small_strain(fingertip, corner, 3 * radius, None) == []
     assert linearity.beyond_small_strain(fingertip, corner, None, 10 * thickness) == []
 

@@ -169,6 +169,9 @@ def test_layers_punches_and_doubts_are_said() -> None:
     )
     expected = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on steel"
     assert firstscreen.body_in_words(layers, FILM_CASE) == expected
+    contact = {"contact_trailing": 2e-4, "contact_leading": 2e-4}
+    case = {**FILM_CASE, "radius": 0.05, "load": 1e4}
+    assert "top layer 100 µm" in device.draw(firstscreen.of_case(layers, case, contact), "two layers")
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
     finger = {"profile": "sphere", "punch": "skin", "radius": 0.01}
     assert firstscreen.punch_in_words(finger) == "fingertip, R = 10 mm"

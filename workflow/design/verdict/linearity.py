@@ -10,13 +10,14 @@ from solver.face.strain import DEEP, WIDE
 from solver.names import ALL_QUANTITIES, LIMITED
 from workflow.language import titles
 from workflow.language.constants import ALLOWABLES, of_the_base, plain
-from workflow.language.numbers import number, shown
+from workflow.language.numbers import shown
 from workflow.language.statements import Limit
 from workflow.study.allowable import Allowable
 from workflow.study.model import Study
 
 _CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
 _FIELDS = ("coercive_field", "breakdown_field")
+_MOST_DIGITS = 9
 _SMALL = "strains are small only up to there"
 
 
@@ -58,7 +59,8 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
     bounds = _bounds(study, corner, below)
     lines = [
         (
-            f"{bounded.words} of {shown(bounded.size, bounded.units, 3)} exceeds the {bounded.at_most}",
+            f"{bounded.words} of {_above(bounded.size, bounded.allowable.value, bounded.units, 3)} "
+            f"exceeds the {bounded.at_most}",
             bounded.allowable.source,
         )
         for bounded in bounds
@@ -82,17 +84,23 @@ def beyond_small_strain(
         half = (trailing + leading) / 2
         share = float((half / radius).max())
         if share > WIDE:
-            words = (
-                f"a contact half-width of {shown(float(half.max()), 'm', 3)} is {number(share, 2)} of the punch radius"
-            )
+            width = shown(float(half.max()), "m", 3)
+            words = f"a contact half-width of {width} is {_above(share, WIDE)} of the punch radius"
             lines.append((f"{words} and exceeds {WIDE:g} of it", _SMALL))
     if thickness is not None and "depth" in corner and study.kind.datum == "absolute":
         share = float((corner["depth"] / thickness).max())
         if share > DEEP:
             depth = shown(float(corner["depth"].max()), "m", 3)
-            words = f"a depth of {depth} is {number(share, 2)} of the film's thickness"
+            words = f"a depth of {depth} is {_above(share, DEEP)} of the film's thickness"
             lines.append((f"{words} and exceeds {DEEP:g} of it", _SMALL))
     return lines
+
+
+def _above(size: float, most: float, units: str = "1", digits: int = 2) -> str:
+    """A size that exceeds a limit, to as many digits as tell the two apart."""
+    while digits < _MOST_DIGITS and shown(size, units, digits) == shown(most, units, digits):
+        digits += 1
+    return shown(size, units, digits)
 
 
 def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:

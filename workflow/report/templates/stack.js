@@ -121,13 +121,13 @@ function stackWords(device, size) {
   return [ofWhole, [
     ...parts,
     `<path d="M${place} ${surface} V${at(interface_)}" ${tipped}/>`,
-    words(place - 8, interface_ - surface > STEEP.line ? (surface + interface_) / 2 + 5 : interface_ + STEEP.line - 4, `film ${said(device.thickness, "m", 3)}`, ink, "end"),
+    words(place - 8, interface_ - surface > STEEP.line ? (surface + interface_) / 2 + 5 : interface_ + STEEP.line - 4, `${device.top} ${said(device.thickness, "m", 3)}`, ink, "end"),
     words(near[0] + 8, low - 10, device.base + between, soft, "start"),
   ]];
 }
 
 // The whole picture; `device` as in device.py: profile, corner, size, trailing, leading, load, conducts, thickness, base, grounded,
-// exponent, slides, point; and the unit of the load.
+// exponent, slides, top, point; and the unit of the load.
 function stackPicture(device) {
   const size = measured(device), [ofWhole, ofNear] = stackWords(device, size);
   return [
