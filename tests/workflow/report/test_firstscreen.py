@@ -173,7 +173,7 @@ def test_layers_punches_and_doubts_are_said() -> None:
     case = {**FILM_CASE, "radius": 0.05, "load": 1e4}
     assert "top layer 100 µm" in device.draw(firstscreen.of_case(layers, case, contact), "two layers")
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
-    finger = {"profile": "sphere", "punch": "skin", "radius": 0.01}
+    finger: Case = {"profile": "sphere", "punch": "skin", "radius": 0.01}
     assert firstscreen.punch_in_words(finger) == "fingertip, R = 10 mm"
     assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"
     doubtful = shipped("quickstart").model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
