@@ -85,7 +85,7 @@ def test_turning_the_crystal_turns_the_contact() -> None:
     loads = []
     for azimuth in (0.0, np.pi / 2):
         body = film(hexagonal("PZT-4", tilted(30, azimuth)), 1e-4)
-        contact = solve_contact(body, sphere(5e-3), force=4.0, cells=64)
+        contact = solve_contact(body, sphere(5e-3), force=4.0, cells=32)
         loads.append(contact)
     assert loads[1].charge == pytest.approx(loads[0].charge, rel=1e-6)
     lever = 1e-4 * loads[0].lengths[0]  # of the contact's middle
@@ -110,7 +110,7 @@ def test_ball_in_air_has_the_quantities_of_the_point(thickness: float | None) ->
     punch = {"profile": "sphere", "radius": 5e-3, "force": 4.0, "surroundings": "air"}
     point = solver.solve(({"material": "PZT-4"} if thickness is None else layer) | punch)
     body = PZT if thickness is None else FILM
-    contact = solve_contact(body, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, derivatives=True, cells=128)
+    contact = solve_contact(body, sphere(5e-3), force=4.0, charge=0.0, end=5e-3, derivatives=True, cells=64)
     values = quantities(contact)
     # charge at the edge, over single cells, decides voltages and capacitances
     bounds = {
@@ -164,7 +164,7 @@ def test_middle_of_a_long_roller_is_the_plane() -> None:
 
 def test_charge_varies_smoothly_with_the_load() -> None:
     forces = 4.0 * 1.03 ** np.arange(5)
-    charges = np.log([per_force(solve_contact(FILM, sphere(5e-3), force=f, cells=64, end=5e-3)) for f in forces])
+    charges = np.log([per_force(solve_contact(FILM, sphere(5e-3), force=f, cells=32, end=5e-3)) for f in forces])
     assert np.ptp(np.diff(charges)) < 4e-4  # between neighbours that differ by 1e-3
 
 
