@@ -26,7 +26,10 @@ def table(compared_rows: Sequence[Row]) -> str:
 def _cells(row: Row) -> list[str]:
     unit = "" if row["unit"] == "1" else f" {row['unit']}"
     error = f" ± {number(row['error'])}" if row["error"] else ""
-    model = [f"{number(quantity['value'])} ± {number(quantity['deviation'], 1)}" for quantity in row["model"]]
+    model = [
+        number(quantity["value"]) + (f" ± {number(quantity['deviation'], 1)}" if quantity["deviation"] else "")
+        for quantity in row["model"]
+    ]
     off = ["–" if quantity["off"] is None else _short(quantity["off"]) for quantity in row["model"]]
     link = " because " if row["verdict"] == "cannot be told" else ": "
     verdict = f"{row['verdict']}{link}{row['because']}"

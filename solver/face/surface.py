@@ -308,7 +308,7 @@ class _Contact:
                     size["roughness"],
                     size["longest_wavelength"],
                     size["shortest_wavelength"],
-                    int(size["realisation"]),
+                    size["realisation"],
                 )
             if profile == "ellipsoid":
                 return Ellipsoid(size["radius_x"], size["radius_y"])

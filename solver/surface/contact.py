@@ -20,6 +20,8 @@ _COARSE = 32  # cells a side of the first grid
 _FINEST = 1024  # cells a side that may be asked for
 _REFINED = 256  # cells a side where refinement ends, with the error that is reached
 _MOST_CELLS = 2**20  # 1 GB of spectra and Krylov vectors
+_LEAST_DEPTH = 1e-13  # m, a thousandth of an atom
+_RADII, _RADII_TRIED = (1e-13, 2e4), 200  # m, of contacts that are tried for the first window
 _FILLED = 0.72  # share of the window's lengths that the contact takes
 _LOOSE = 0.45  # share below which the window is narrowed
 _WINDOWS = 40  # windows that are tried
@@ -269,6 +271,11 @@ class _Problem:
             state, _ = converged(system, state, max(error, 1e-3))
             low, high, touches = self._extent(grid, state)
             lengths = np.subtract(high, low)
+            ratio = float(np.max(lengths) / np.min(lengths))
+            if ratio > _LONGEST:
+                raise SurfaceError(
+                    f"contact: {ratio:.3g} times as long as wide is not allowed; at most {_LONGEST:g}, else a line"
+                )
             share = lengths / window.lengths
             if (not np.any(touches) and np.all(share >= _LOOSE)) or self._is_whole(window):
                 break
@@ -282,11 +289,6 @@ class _Problem:
         self._require_resolved(low, high)
         if not np.any(touches):
             window = self._around(np.add(high, low) / 2, lengths / 2)
-        ratio = float(np.max(window.lengths) / np.min(window.lengths))
-        if ratio > _LONGEST:
-            raise SurfaceError(
-                f"contact: {ratio:.3g} times as long as wide is not allowed; at most {_LONGEST:g}, else a line"
-            )
         return window, state, grid
 
     def _around(self, middle: Array, half: Array) -> _Window:
@@ -313,23 +315,32 @@ class _Problem:
             )
 
     def _first_window(self) -> _Window:
-        """Square whose half length is that of a round contact of the same load."""
+        """Square around the lowest point whose half length is that of a round contact of the same load.
+
+        The contact of a film that bends on a softer base is rather that of a half-space of the film.
+        """
         angles = np.linspace(0, 2 * np.pi, 16, endpoint=False)
-        ends = np.array(self.shape.half_extent)
-        low, high = -30.0, 10.0  # log of the half length in m
-        for _ in range(60):
-            middle = (low + high) / 2
-            a = np.exp(middle)
-            x, y = a * np.cos(angles), a * np.sin(angles)
-            heights = self.shape.gap(np.clip(x, -ends[0], ends[0]), np.clip(y, -ends[1], ends[1]))
-            height = float(np.mean(heights[np.isfinite(heights)])) if np.any(np.isfinite(heights)) else 0.0
-            Y = self.body.multiplier(np.array([1 / a]), np.array([0.0]))[0, 0]
-            depth = height if self.loading.depth is None else self.loading.depth
-            load = 2 * a * height / float(Y[NORMAL, NORMAL].real)
-            enough = height >= depth if self.loading.force is None else load >= self.loading.force
-            low, high = (low, middle) if enough else (middle, high)
-        half = np.minimum(np.exp(high), ends)
-        return self._around(np.zeros(2), np.where(np.isfinite(half), half, np.exp(high)))
+        ends, lowest, loading = np.array(self.shape.half_extent), self.shape.lowest, self.loading
+        a = np.minimum(np.geomspace(*_RADII, _RADII_TRIED), np.max(ends))
+        x, y = (
+            np.clip(middle + np.outer(a, wave(angles)), -end, end)
+            for middle, wave, end in zip(lowest, (np.cos, np.sin), ends, strict=True)
+        )
+        heights = self.shape.gap(x, y)
+        finite = np.isfinite(heights)
+        height = np.sum(np.where(finite, heights, 0.0), axis=1) / np.maximum(np.sum(finite, axis=1), 1)
+        compliance = self.body.multiplier(np.append(1 / a, np.inf), np.zeros(1))[:, 0, NORMAL, NORMAL].real
+        stiffness = 2 * a / np.minimum(compliance[:-1], compliance[-1])
+        name, load, loads = (
+            ("force", loading.force, stiffness * height)
+            if loading.force is not None
+            else ("depth", loading.depth or 0.0, height)
+        )
+        place = min(int(np.searchsorted(loads, load)), a.size - 1)
+        depth = load if name == "depth" else load / stiffness[place]
+        if depth < _LEAST_DEPTH:
+            raise SurfaceError(f"{name}: a depth of {depth:.2g} m is not allowed; at least {_LEAST_DEPTH:g} m")
+        return self._around(np.array(lowest), np.minimum(a[place], ends))
 
     def _extent(self, grid: Grid, state: State) -> tuple[Array, Array, BoolArray]:
         """Lowest and highest position of the contact, and whether the contact touches the window along x and y."""

@@ -514,12 +514,12 @@ class Linearised:
         """Largest of the residuals over depression, over potential by a charge, and of the loads over their sums."""
         state, tiny = self.state, np.finfo(float).tiny
         # the charge of a body that hardly couples need not be exact beside its rounding
-        area, least = self.system.area, _HARDLY_COUPLED * np.max(np.abs(state.pressure))
+        area, least = self.system.area, _HARDLY_COUPLED * float(np.max(np.abs(state.pressure)))
         scales = [
-            self._root * np.max(np.abs(self.depression)),
-            self._root * max(np.max(np.abs(state.charge)), least),
-            np.sum(state.pressure) / self._root,
-            max(area @ np.abs(state.charge), _HARDLY_COUPLED * np.sum(state.pressure)) / self._root,
+            self._root * float(np.max(np.abs(self.depression))),
+            self._root * max(float(np.max(np.abs(state.charge))), least),
+            float(np.sum(state.pressure)) / self._root,
+            max(float(area @ np.abs(state.charge)), _HARDLY_COUPLED * float(np.sum(state.pressure))) / self._root,
         ]
         sizes = [*(float(np.linalg.norm(rows)) for rows in self.residual), *np.abs(self.missing)]
         return max(float(size / max(scale, tiny)) for size, scale in zip(sizes, scales, strict=True))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.ndimage import map_coordinates, spline_filter
 from typing_extensions import override
 
@@ -21,7 +22,7 @@ _HURST = 0.8  # of polished and ground surfaces
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A punch whose lowest point lies over the origin."""
+    """A punch above its lowest point."""
 
     def __post_init__(self) -> None:
         for name, allows_infinite, least in self.limits:
@@ -42,6 +43,11 @@ class Shape:
     def half_extent(self) -> tuple[float, float]:
         """Largest |x| and |y| of the punch [m]."""
         return np.inf, np.inf
+
+    @property
+    def lowest(self) -> tuple[float, float]:
+        """Position of the lowest point [m]."""
+        return 0.0, 0.0
 
     def on_cells(self, x: Array, y: Array) -> tuple[Array, Array]:
         """Height at the middle of the covered part of cells [m], and the share that is covered; (x, y) each.
@@ -110,10 +116,12 @@ class RoughSphere(Shape):
     roughness: float  # Root mean square of the waves' heights [m]
     longest_wavelength: float  # [m]
     shortest_wavelength: float  # [m]
-    realisation: int = 0  # Number of the random surface
+    realisation: float = 0  # Whole number of the random surface
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.realisation != int(self.realisation) or self.realisation < 0:
+            raise SurfaceError(f"realisation: {self.realisation:g} is not allowed; a whole number >= 0")
         if not self.shortest_wavelength <= self.longest_wavelength:
             raise SurfaceError(
                 f"shortest_wavelength: {self.shortest_wavelength:g} m is not allowed; at most the longest, "
@@ -211,15 +219,18 @@ class Roller(Shape):
 
     @override
     def gap(self, x: Array, y: Array) -> Array:
-        axis = y**2 / (2 * self.crown_radius) + self.tilt * y - self._lowest
-        return np.where(np.abs(y) <= self.length / 2, x**2 / (2 * self.radius) + axis, np.inf)
+        height = x**2 / (2 * self.radius) + self._axis(y) - self._axis(self.lowest[1])
+        return np.where(np.abs(y) <= self.length / 2, height, np.inf)
+
+    def _axis(self, y: ArrayLike) -> Array:
+        y = np.asarray(y, np.float64)
+        return y**2 / (2 * self.crown_radius) + self.tilt * y
 
     @property
-    def _lowest(self) -> float:
-        """Lowest height of the axis below its middle [m]."""
-        half, turning = self.length / 2, abs(self.tilt) * self.crown_radius if self.tilt else 0.0
-        y = min(half, turning)
-        return y**2 / (2 * self.crown_radius) - abs(self.tilt) * y
+    @override
+    def lowest(self) -> tuple[float, float]:
+        turning = -self.tilt * self.crown_radius if self.tilt else 0.0
+        return 0.0, float(np.clip(turning, -self.length / 2, self.length / 2))
 
     @property
     @override
@@ -271,3 +282,10 @@ class Map(Shape):
     def half_extent(self) -> tuple[float, float]:
         (nx, ny), (dx, dy) = self.heights.shape, self.spacing
         return nx * dx / 2, ny * dy / 2
+
+    @property
+    @override
+    def lowest(self) -> tuple[float, float]:
+        i, j = np.unravel_index(np.argmin(self.heights), self.heights.shape)
+        (nx, ny), (dx, dy) = self.heights.shape, self.spacing
+        return float((i - (nx - 1) / 2) * dx), float((j - (ny - 1) / 2) * dy)

@@ -1,9 +1,10 @@
 """Readable names of quantities, factors, expressions and limits: what a page says before the name of the interface."""
 
+import math
 import re
 from collections.abc import Sequence
 
-from solver.names import ALL_QUANTITIES
+from solver.names import ALL_QUANTITIES, NEVER_TEMPERATURE, NEVER_TIME
 from workflow.language import statements
 from workflow.language.constants import FIGURES
 from workflow.language.expressions import Call, Expression, Name, Operation
@@ -13,6 +14,7 @@ from workflow.language.wordings import TITLES
 
 _NAME, _SIZE, _OTHERS = re.compile(r"[A-Za-z_]\w*"), re.compile(r"\babs\(([^()]*)\)"), re.compile(r"[-+*^]|/.*/")
 _SUM = r"\bcontact_(?:trailing \+ contact_leading|leading \+ contact_trailing)\b"
+_NEVER = {"heat_time": NEVER_TIME, "temperature_equal": NEVER_TEMPERATURE}
 _WIDTH = re.compile(rf"(?<!\w)\({_SUM}\)|{_SUM}")  # brackets of its own, but not of a function
 
 
@@ -81,7 +83,9 @@ def bound(limit: statements.Limit, value: float, units: str) -> str:
 
 
 def value(name: str, number: float, digits: int = 3) -> str:
-    """A factor's or quantity's value with its unit."""
+    """A factor's or quantity's value with its unit; "never" for what heat does not reach."""
+    if number >= _NEVER.get(name, math.inf):
+        return "never"
     return shown(number, (FACTORS[name] if name in FACTORS else ALL_QUANTITIES[name]).units, digits)
 
 

@@ -217,6 +217,8 @@ def _in_space(profile: str, case: Case) -> str:
 def _round(profile: str, case: Case) -> str:
     """The punch of a point contact, with what it is made of where that deforms."""
     material = str(case.get("punch", RIGID_PUNCH))
+    if material == "skin" and profile == "sphere":
+        return f"fingertip, R = {titles.value('radius', float(case['radius']), 3)}"
     material = "" if material == RIGID_PUNCH else f"{material.replace('_', ' ')} "
     size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
     if profile in _SECTION:

@@ -18,7 +18,7 @@ from workflow.dataset.slabs import CARD
 from workflow.design.verdict import leftout, netcdf
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
-from workflow.language.titles import capital, in_words, listed, title
+from workflow.language.titles import capital, in_words, listed, title, value
 from workflow.learning.timing import by_quantity
 from workflow.report import firstscreen, ranked, sections, sentences, symbols, tables, whatif
 from workflow.report.svg import element, inlined
@@ -165,6 +165,7 @@ def _environment() -> Environment:
         "spoken": in_words,
         "unbroken": firstscreen.unbroken,
         "si": shown,
+        "value": value,
         "counted": counted,
     }
     return environment

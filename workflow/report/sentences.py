@@ -18,6 +18,7 @@ from workflow.study.model import Study
 
 Row = Mapping[str, Any]
 _MOST_NAMED = 3  # categories that a sentence names
+_LITTLE = 1e-4  # share of a charge that is reported as less than that
 
 
 def reached(verdicts: Mapping[str, Verdict]) -> str:
@@ -127,10 +128,10 @@ def signal(press: Row, on: str) -> str:
             constant += f" ({number(100 * press['drop'], 2)} % in {DROP:g} s)"
     heat = ""
     if "heat_at_end" in press:
-        heat = (
-            f" Heat of what touches makes {shown(press['heat_at_end'], 'C', 3)} by the end of the hold, "
-            f"{number(abs(press['heat_at_end'] / press['contact_charge']), 3)} times the charge of the force."
-        )
+        share = abs(press["heat_at_end"] / press["contact_charge"])
+        size = f"{number(100 * share, 2)} % of" if share < 1 else f"{number(share, 2)} times"
+        size = size if share > _LITTLE else f"less than {number(100 * _LITTLE, 2)} % of"
+        heat = f" Heat of what touches makes {size} the charge of the force by the end of the hold."
     return (
         f"{shown(press['force'], 'N', 3)} on {on} gives {shown(press['contact_output'], 'V', 3)} at the output. "
         f"{constant}. The noise is {shown(press['noise_charge'], 'C', 2)} or "

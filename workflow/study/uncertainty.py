@@ -3,6 +3,7 @@
 A family is scaled as a whole, by exp(std z) with z standard normal a priori, so that a material stays admissible. The
 prior standard deviation is what other published values of the material differ by, and 5 % at least. An isotropic
 elastic material has Young's modulus and Poisson's ratio instead; that has 0.02, added. One constant may be named too.
+In a study of heat the constants for heat are uncertain as well.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -32,6 +33,8 @@ FAMILIES: dict[str, tuple[str, ...]] = {
 }
 #: Prior standard deviation of the logarithm where no other values are published, and of Poisson's ratio.
 USUAL, POISSON = 0.05, 0.02
+#: Of the constants for heat: conductivities of one polymer or ceramic and pyroelectric coefficients differ by source.
+HEAT = {"pyroelectric": 0.2, "conductivity": 0.2, "heat_capacity": USUAL, "expansion": USUAL}
 #: Prior standard deviation of the logarithm of one constant beside its family, at least.
 OWN = 0.03
 _STEP = 0.1  # of difference quotients, in prior standard deviations: what they leave out is 1e-5 of a derivative
@@ -76,6 +79,10 @@ class Constant:
             young, poisson = _engineering(material)
             other = Material.isotropic(young, poisson + self.std * z, name=material.name)
             changed: dict[str, Any] = {name: getattr(other, name) for name in FAMILIES["stiffness"]}
+        elif self.family in HEAT:
+            value = material.thermal[self.family]
+            scaled = replace(value, value=value.value * float(np.exp(self.std * z)))
+            changed = {"thermal": {**material.thermal, self.family: scaled}}
         else:
             changed = {name: getattr(material, name) * np.exp(self.std * z) for name in self.members}
         moved = replace(material, **changed, alternatives=())
@@ -85,7 +92,8 @@ class Constant:
 
 def uncertain(study: Study, priors: Mapping[str, float | None] | None = None) -> list[Constant]:
     """The uncertain constants of a study, with their priors."""
-    constants = {name: _constants(name, find(name, study.own_materials)) for name in materials(study)}
+    has_heat = "touch_temperature" in {*study.fixed, *study.factors}
+    constants = {name: _constants(name, find(name, study.own_materials), has_heat) for name in materials(study)}
     if not constants:
         raise InputError(f"{study.path}: no material whose constants could be uncertain")
     if priors is None:
@@ -186,11 +194,12 @@ def _phases(study: Study) -> list[str]:
     return list(study.phases) if any(kind in MIXTURES for kind in composites) else []
 
 
-def _constants(name: str, material: Material) -> list[Constant]:
+def _constants(name: str, material: Material, has_heat: bool) -> list[Constant]:
     """The families of a material that are not zero nor the vacuum's."""
+    constants = [Constant(name, family, std) for family, std in HEAT.items() if has_heat and family in material.thermal]
     if _is_isotropic(material):
-        return [Constant(name, "modulus", _spread(material, FAMILIES["stiffness"])), Constant(name, "poisson", POISSON)]
-    constants = []
+        stiffness = Constant(name, "modulus", _spread(material, FAMILIES["stiffness"]))
+        return [stiffness, Constant(name, "poisson", POISSON), *constants]
     for family, names in FAMILIES.items():
         values = [float(getattr(material, key)) for key in names if not np.isnan(getattr(material, key))]
         if any(value not in (0.0, _VACUUM.get(family)) for value in values):

@@ -101,6 +101,8 @@ def test_a_height_map_of_a_ball_is_the_ball(tmp_path: Path) -> None:
 WITH_NAN = heights()
 WITH_NAN[3, 4] = np.nan
 MAP: Case = {"material": "PZT-4", "profile": "map", "height_map": heights(), "map_spacing": 2.5e-6, "force": 1.0}
+ROUGH: Case = {"material": "PZT-4", "profile": "rough_sphere", "radius": 5e-3, "roughness": 1e-8, "force": 1.0}
+ROUGH |= {"longest_wavelength": 1e-4, "shortest_wavelength": 2e-5}
 
 
 @pytest.mark.parametrize(
@@ -108,6 +110,8 @@ MAP: Case = {"material": "PZT-4", "profile": "map", "height_map": heights(), "ma
     [
         (MAP | {"height_map": WITH_NAN}, "height_map: not a finite number"),
         (EGG | {"radius_y": 5e3}, "contact: .* times as long as wide"),
+        (EGG | {"force": 1e-15}, "force: a depth of .* at least 1e-13 m"),
+        (ROUGH | {"realisation": 1.5}, "realisation: 1.5 is not allowed; a whole number"),
         (MAP | {"height_map": [[1.0]]}, r"height_map: shape \(1, 1\)"),
         (MAP | {"height_map": heights()[35:45, 35:45]}, "edge of the map"),
         (MAP | {"height_map": heights(9), "map_spacing": 2.5e-5}, "too wide for a contact"),
@@ -132,6 +136,23 @@ def test_what_is_not_there_is_refused_in_one_line(case: Case, words: str) -> Non
     with pytest.raises((solver.FactorError, solver.MaterialError), match=words) as error:
         solver.solve(case)
     assert "\n" not in str(error.value)
+
+
+def test_the_end_of_a_tilted_roller_presses_wherever_it_is() -> None:
+    roller = {"material": "PZT-4", "profile": "roller", "radius": 5e-3, "tilt": 0.02, "force": 1.0} | COARSE
+    short, long = (solver.solve(roller | {"length": length}) for length in (2e-4, 2e-3))
+    # the air beside a longer one takes more charge, which sinks the punch, and leaves the edge where it is
+    for name in ("contact_area", "contact_length_x", "contact_length_y", "charge_per_force"):
+        assert float(short[name]) == pytest.approx(float(long[name]), rel=1e-3), name
+
+
+def test_a_film_that_bends_on_a_soft_base_is_pressed_as_by_a_ball_of_the_point() -> None:
+    film = {"material": "PZT-4", "thickness": 1e-4, "base": "PDMS", "force": 3.0}
+    ball = solver.solve(film | {"profile": "sphere", "radius": 5e-3})
+    egg = solver.solve(film | {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 5e-3, "grid_error": 0.1})
+    # the ball sinks by 0.3 mm, of which its own contact is 0.2 um
+    assert float(egg["depth"]) == pytest.approx(float(ball["depth"]), rel=2e-3)
+    assert float(egg["charge_per_force"]) == pytest.approx(float(ball["charge_per_force"]), rel=0.02)
 
 
 def test_fields_inside_curves_and_peaks_are_refused() -> None:

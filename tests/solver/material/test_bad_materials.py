@@ -166,6 +166,14 @@ def matrices(order: str) -> dict[str, Any]:
     }
 
 
+def slip(name: str, row: int, column: int, value: float) -> dict[str, Any]:
+    """Matrices in the order of IEEE with one entry that breaks the symmetry."""
+    entries = matrices("IEEE")
+    rows = entries[name]["rows"] if name == "c" else entries[name]
+    rows[row][column] = value
+    return entries
+
+
 def test_a_vendors_sheet_gives_the_published_stiffness_form() -> None:
     material = Material.from_mapping(PZT_5A)
     # c11 120.3 GPa, e33 15.8 C/m2, e31 -5.4, e15 12.3 and 830 eps0: Berlincourt's PZT-5A, rounded to three digits
@@ -220,7 +228,11 @@ def test_matrices_of_both_orders_are_read(order: str) -> None:
         (PZT_5A | {"s33": True}, "s33: True is not a finite number"),
         ({"E": 70e9}, "nu: missing"),
         ({"E": 70e9, "nu": 0.6}, "nu: 0.6 is not within"),
-        (matrices("Abaqus") | {"order": "IEEE"}, r"e, row 2, column 4: 0 where a body .* has 12.3"),
+        (matrices("Abaqus") | {"order": "IEEE"}, r"c, row 5, column 5: 2.1e\+10 where a body .* has 2.25e\+10"),
+        (slip("c", 1, 0, 79.0), r"c, row 2, column 1: 7.9e\+10 where a body .* has 7.5e\+10"),
+        (slip("c", 4, 4, 22.0), r"c, row 5, column 5"),
+        (slip("c", 2, 3, 0.2), r"c, row 3, column 4"),
+        (slip("e", 1, 3, 12.5), r"e, row 2, column 4"),
         (matrices("IEEE") | {"order": "ANSYS"}, "order: 'ANSYS' must be IEEE"),
         (matrices("IEEE") | {"c": [[1.0, 2.0]]}, "c: needs 6 rows of 6 numbers"),
         (matrices("IEEE") | {"eps": [8.1e-9, 9.9e-9, 7.3e-9]}, "eps, row 2, column 2"),

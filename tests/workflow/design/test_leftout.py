@@ -137,6 +137,21 @@ def test_words_say_how_long_and_how_much() -> None:
     assert small.left_out_moves == ""  # of a half-space
 
 
+def test_adhesion_moves_a_films_charge_as_a_wider_contact_does() -> None:
+    def answer(case: Mapping[str, Any]) -> xr.Dataset:  # falls with the radius, a^3 with the force
+        return xr.Dataset(POINT | {"charge_per_force": -2e-10 * (0.02 / case["force"]) ** (1 / 3)})
+
+    film = effects(BALL | {"radius": 0.017, "force": 0.02}, answer)["adhesion"]
+    assert film.left_out_share == pytest.approx(0.335376 / 1.335376, rel=1e-4)  # the widening by hand, above
+    assert film.left_out_words.startswith("Adhesion widens the contact by 34 % and changes the charge by 25 %; ")
+
+
+def test_heat_says_when_it_is_the_share_that_the_case_names() -> None:
+    case = BALL | {"surroundings": "insulated", "touch_temperature": 303.15, "hold": 1.0, "heat_share": 0.1}
+    reached = shown(float(solve(case)["heat_time"]), "s", 2)
+    assert f" for 10 K in 1 s, 10 % of it after {reached}" in effects(case)["heat"].left_out_words
+
+
 @pytest.mark.parametrize(("force", "widened"), [(1.0, 2.31e-2), (10e-3, 25.2e-2)])
 def test_adhesion_is_that_of_the_page_of_limits(force: float, widened: float) -> None:
     effect = effects({"profile": "sphere", "radius": 5e-3, "force": force}, POINT)["adhesion"]
@@ -378,7 +393,7 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     assert rigid.left_out_words.startswith("Heat is not known for the base 'rigid': conductivity")
     half_space = effects({"material": "PZT-4", "profile": "sphere", "radius": 0.02, "force": 0.2})
     assert half_space["roughness"].left_out_words.endswith("the charge does not move.")
-    assert half_space["heat"].left_out_words == "Heat is known of films only."
+    assert half_space["heat"].left_out_words == "Heat is solved for films only."
     assert next(iter(half_space)) == "mass of the punch"  # of 13 times the force
     assert "depoling stress" in half_space
     roller = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "profile": "roller", "radius": 0.005}

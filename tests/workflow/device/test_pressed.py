@@ -65,6 +65,11 @@ def test_a_press_on_a_patch_is_its_charge_over_the_feedback(tmp_path: Path) -> N
     assert said.startswith("50 mN on the design 'Charge' gives ")
     assert f"{numbers.shown(charge / 10e-12, 'V', 3)} at the output" in said
     assert "no charge leaks. The noise is 1 fC or 100 µV at the output" in said
+    press = tables.signal(tmp_path)
+    shares = {1e-7: "less than 0.01 %", 0.078: "7.8 %"}
+    for share, words in shares.items():
+        warm = sentences.signal({**press, "heat_at_end": share * press["contact_charge"]}, "the design 'Charge'")
+        assert warm.endswith(f"Heat of what touches makes {words} of the charge of the force by the end of the hold.")
 
 
 COATED: dict[str, Any] = {

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Material, find, solve
+from solver.names import THERMAL as NAMES
 from tests.studies import made
 from workflow.dataset import factorial
 from workflow.study import uncertainty
@@ -79,6 +80,18 @@ def test_alternatives_that_differ_by_more_than_30_percent_are_solved() -> None:
     assert ratio > 1 + uncertainty._WIDE
     shares = uncertainty.sensitivities(study, constants, squares)
     assert shares == pytest.approx(np.diag([2 * 0.05, ratio**2 - 1]), rel=1e-4)  # the difference quotient's own 1e-5
+
+
+def test_the_time_of_heat_spreads_by_the_covers_conductivity() -> None:
+    study = load("config/taxel.yaml")
+    case = {"thickness": 3e-3, "force": 0.02, "patch_position": 0.0, "feedback_resistance": 1e12}
+    constants = {constant.name: constant for constant in uncertainty.uncertain(study)}
+    cover = constants["PDMS conductivity"]
+    (share,) = uncertainty.sensitivities(
+        study, [cover], lambda moved: factorial.exact(moved, case)["heat_time"].values.ravel()
+    )[0]
+    assert share == pytest.approx(-cover.std, rel=0.03)  # h^2 c/kappa: the film below is thin, the charge leaks slowly
+    assert not [name for name in NAMES if name in {constant.family for constant in uncertainty.uncertain(made(FILM))}]
 
 
 def test_a_name_that_is_no_constant_is_refused(film: Study) -> None:

@@ -161,10 +161,14 @@ class SolvedCase:
         return float(self.factors["radius"]) if self.profile in _ROUND else None
 
     @property
+    def read(self) -> str | None:
+        """Name of the charge per force that is read; None where none is."""
+        return next((name for name in _READ if name in self.solved), None)
+
+    @property
     def charge(self) -> float:
         """Size of the charge that is read [C]; NaN where none is."""
-        name = next((name for name in _READ if name in self.solved), None)
-        return (abs(self.solved[name]) * self.force or np.nan) if name else np.nan
+        return (abs(self.solved[self.read]) * self.force or np.nan) if self.read else np.nan
 
     @property
     def stack(self) -> Stack | None:
@@ -298,7 +302,7 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
         out = case.solve(factors)
         lacking = str(out.attrs.get("heat", "not known for this body"))
     except (FactorError, MaterialError) as error:
-        out, lacking = xr.Dataset(), f"not known: {error}" if case.kind.layered else "known of films only"
+        out, lacking = xr.Dataset(), f"not known: {error}" if case.kind.layered else "solved for films only"
     if "temperature_equal" not in out:
         yield _unknown(case, "heat", "signal", "K", f"heat is {lacking}")
         return
@@ -307,6 +311,9 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
     arrives = equal < NEVER_TEMPERATURE
     brief = f"heat is {'' if arrives else 'less than '}{_times(share)} the signal"
     detail = f" for {shown(rise, 'K', 3)} in {shown(hold, 's', 2)}"
+    if "heat_share" in factors:
+        reached = number(100 * float(factors["heat_share"]), 2)
+        detail += f", {reached} % of it after {shown(float(out['heat_time'].squeeze()), 's', 2)}"
     part, whose = case.smallest_force / case.force, "the smallest force"
     if not np.isfinite(part):
         part, whose = 1.0, "the signal"
@@ -456,8 +463,8 @@ def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
 
     Soft and large balls: K.L. Johnson, K. Kendall, A.D. Roberts, Proc. R. Soc. A 324 (1971) 301. Others: B.V.
     Derjaguin, V.M. Muller, Y.P. Toporov, J. Colloid Interface Sci. 53 (1975) 314. The number that divides them: D.
-    Tabor, J. Colloid Interface Sci. 58 (1977) 2. The charge per force of a film changes by less than the contact
-    widens, that of a half-space not at all.
+    Tabor, J. Colloid Interface Sci. 58 (1977) 2. A film's charge per force becomes that of the wider contact, solved
+    under the load that adhesion adds; a half-space's does not change.
     """
     if case.profile != "sphere":
         return
@@ -468,10 +475,15 @@ def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
     share = pull / case.force
     load = 1 + (2 * share + 2 * np.sqrt(share + share**2) if tabor > 1 else share)
     widened_by = float(load ** (1 / 3) - 1)
-    brief = f"adhesion widens the contact by {number(100 * widened_by, 2)} %"
+    brief, moved_by = f"adhesion widens the contact by {number(100 * widened_by, 2)} %", widened_by
+    if case.kind.layered and case.read and np.isfinite(case.charge):
+        with suppress(FactorError):  # a contact too wide for the solver
+            wider = case.quantities({case.kind.loads.force: load * case.force})
+            moved_by = abs(wider[case.read] / case.solved[case.read] - 1)
+            brief += f" and changes the charge by {number(100 * moved_by, 2)} %"
     detail = f"; {shown(ADHESION, 'J m-2', 2)} holds the ball with {shown(pull, 'N', 2)}"
     moves = "signal" if case.kind.layered else ""
-    yield _effect(case, "adhesion", moves, pull, case.force, "N", widened_by, brief, detail)
+    yield _effect(case, "adhesion", moves, pull, case.force, "N", moved_by, brief, detail)
 
 
 def _amplifier(case: SolvedCase) -> Iterator[LeftOut]:
