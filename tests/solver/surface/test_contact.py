@@ -165,7 +165,7 @@ def test_middle_of_a_long_roller_is_the_plane() -> None:
 
 def test_charge_varies_smoothly_with_the_load() -> None:
     forces = 4.0 * 1.03 ** np.arange(5)
-    charges = np.log([per_force(solve_contact(FILM, sphere(5e-3), force=f, cells=32, end=5e-3)) for f in forces])
+    charges = np.log([per_force(solve_contact(FILM, sphere(5e-3), force=f, cells=64, end=5e-3)) for f in forces])
     assert np.ptp(np.diff(charges)) < 4e-4  # between neighbours that differ by 1e-3
 
 
