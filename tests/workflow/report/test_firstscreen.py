@@ -170,7 +170,7 @@ def test_layers_punches_and_doubts_are_said() -> None:
     expected = "Fibrous, 20 % BaTiO3, 100 µm on fibrous, 40 % BaTiO3, 100 µm on steel"
     assert firstscreen.body_in_words(layers, FILM_CASE) == expected
     assert firstscreen.punch_in_words({"profile": "flat", "width": 2e-3}) == "flat punch 2 mm wide"
-    finger = {"profile": "sphere", "punch": "skin", "radius": 0.01}
+    finger: Case = {"profile": "sphere", "punch": "skin", "radius": 0.01}
     assert firstscreen.punch_in_words(finger) == "fingertip, R = 10 mm"
     assert firstscreen.punch_in_words({"profile": "wedge", "slope": 0.02}) == "wedge of slope 0.02"
     doubtful = shipped("quickstart").model_copy(update={"fixed": {"material": "P(VDF-TrFE) 75:25"}})
