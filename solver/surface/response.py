@@ -196,7 +196,9 @@ def _modes(E: Array, theta: Array) -> tuple[ComplexArray, ComplexArray, ComplexA
 
 def _grounded(Y: ComplexArray) -> ComplexArray:
     """Multiplier of a body whose surface is held at phi = 0; (..., m, m)."""
-    Y = Y - Y[..., :, PHI, None] * Y[..., None, PHI, :] / Y[..., PHI, PHI, None, None]
+    held = Y[..., PHI, PHI, None, None]
+    # layers on a rigid base seen from afar are held already
+    Y = Y - Y[..., :, PHI, None] * Y[..., None, PHI, :] / np.where(held == 0, 1.0, held)
     Y[..., PHI, :] = Y[..., :, PHI] = 0.0
     return Y
 

@@ -76,7 +76,7 @@ def test_a_table_of_kinds_is_solved_row_by_row() -> None:
 def test_steel_couples_nothing_and_a_stack_of_cuts_is_solved() -> None:
     steel = solver.solve(EGG | {"material": "steel"})
     assert float(steel["charge_per_force"]) == 0.0
-    stack = solver.Stack([solver.Layer("36Y LiNbO3", 1e-4), solver.Layer("copper", 1e-5)], "silicon")
+    stack = solver.Stack([solver.Layer("36Y LiNbO3", 1e-4)], "silicon")
     out = solver.solve({"body": stack, "profile": "sphere", "radius": 5e-3, "force": 1.0} | COARSE)
     assert float(out["nominal_field"]) == pytest.approx(abs(float(out["voltage"])) / 1e-4, rel=1e-12)
 
@@ -176,15 +176,16 @@ def test_fields_inside_curves_and_peaks_are_refused() -> None:
         ({"material": "PVDF", "thickness": 1e-5, "base": "rigid"}, 2.5e-3, 0.01),
         ({"material": "PZT-4", "thickness": 1e-6, "base": "steel"}, 5e-3, 0.01),
         ({"material": "PZT-4", "surroundings": "air"}, 5e-3, 1.0),
+        ({"body": solver.Stack([solver.Layer("PZT-4", 1e-4), solver.Layer("copper", 1e-5)])}, 5e-3, 1.0),
     ],
 )
 def test_the_stated_error_bounds_the_distance_to_balls(body: Case, radius: float, force: float) -> None:
     """Balls of the point solver, in air, share no code with the grid beyond the materials."""
     ball = solver.solve(body | {"profile": "sphere", "radius": radius, "force": force})
     shape = {"profile": "ellipsoid", "radius_x": radius, "radius_y": radius, "force": force}
-    space = solver.solve(body | shape | {"grid_error": 1e-2})
+    space = solver.solve(body | shape | {"grid_error": 0.02})
     error = float(space["relative_error"])
-    assert error <= 1e-2
+    assert error <= 0.02
     for name in ("charge_per_force", "voltage", "capacitance", "stroke_per_volt", "peak_pressure", "depth"):
         assert float(space[name]) == pytest.approx(float(ball[name]), rel=1.3 * error), name
 
@@ -203,6 +204,6 @@ def test_the_middle_of_a_long_roller_in_air_is_a_line() -> None:
     line = float(solver.solve(film | {"profile": "cylinder", "load": 2e4})["charge_per_force"])
     lengths, charges = (3e-3, 6e-3), []
     for length in lengths:
-        roller = film | {"profile": "roller", "length": length, "force": 2e4 * length, "grid_error": 5e-3}
+        roller = film | {"profile": "roller", "length": length, "force": 2e4 * length, "grid_error": 0.03}
         charges.append(float(solver.solve(roller)["charge_per_force"]) * length)
-    assert (charges[1] - charges[0]) / (lengths[1] - lengths[0]) == pytest.approx(line, rel=2e-3)  # measured: 2e-4
+    assert (charges[1] - charges[0]) / (lengths[1] - lengths[0]) == pytest.approx(line, rel=2e-3)  # measured: 4e-4

@@ -1,6 +1,7 @@
 """Cases that were solved before: equal bytes with them and without, nested levels, damaged files, and what is swept."""
 
 import os
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -42,9 +43,17 @@ def slab(study: Study, results: Path) -> tuple[CaseCache, bytes]:
     return cache, output.read_bytes()
 
 
-def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study, tmp_path: Path) -> None:
-    first, _ = slab(film, tmp_path / "a")
+@pytest.fixture(scope="module")
+def before(film: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Results of the study, solved once; no test may change them."""
+    results = tmp_path_factory.mktemp("before")
+    first, _ = slab(film, results)
     assert (first.taken, first.cases) == (0, 16)
+    return results
+
+
+def test_nested_levels_take_the_cases_of_before_and_give_equal_bytes(film: Study, before: Path, tmp_path: Path) -> None:
+    shutil.copytree(before, tmp_path / "a")
     finer = made(FILM.replace("levels: 2}", "levels: 6}"))
     again, reused = slab(finer, tmp_path / "a")
     assert (again.taken, again.cases) == (16, 48)  # levels nest from n to 3 n
@@ -70,10 +79,10 @@ def test_random_cases_are_those_of_the_solver(film: Study, tmp_path: Path) -> No
         np.testing.assert_allclose(first[name], plain[name], rtol=1e-9)
 
 
-def test_other_constants_and_other_questions_are_other_cases(film: Study, tmp_path: Path) -> None:
-    slab(film, tmp_path)
+def test_other_constants_and_other_questions_are_other_cases(before: Path, tmp_path: Path) -> None:
+    shutil.copytree(before, tmp_path / "a")
     for old, new in (("dataset:", "phases: [CoFe2O4, BaTiO3]\ndataset:"), ("inside: 2", "inside: 4")):
-        assert slab(made(FILM.replace(old, new)), tmp_path)[0].taken == 0
+        assert slab(made(FILM.replace(old, new)), tmp_path / "a")[0].taken == 0
 
 
 def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
@@ -88,9 +97,10 @@ def test_what_was_used_longest_ago_is_swept(tmp_path: Path) -> None:
     assert sorted(file.name for file in folder.iterdir()) == ["0.nc", "2.nc"]
 
 
-def test_an_answer_to_another_case_is_solved_again(film: Study, tmp_path: Path) -> None:
-    _, whole = slab(film, tmp_path)
-    first, second = sorted((tmp_path / casecache.FOLDER).rglob("*.nc"))
+def test_an_answer_to_another_case_is_solved_again(film: Study, before: Path, tmp_path: Path) -> None:
+    results = shutil.copytree(before, tmp_path / "a")
+    whole = (results / "film/fields/slab_0.nc").read_bytes()
+    first, second = sorted((results / casecache.FOLDER).rglob("*.nc"))
     contents = first.read_bytes(), second.read_bytes()
     poisons = {
         "swapped": (contents[1], contents[0]),
@@ -101,9 +111,9 @@ def test_an_answer_to_another_case_is_solved_again(film: Study, tmp_path: Path) 
     for kind, (poison, other) in poisons.items():
         first.write_bytes(poison)
         second.write_bytes(other)
-        again, bytes_ = slab(film, tmp_path)
+        again, bytes_ = slab(film, results)
         assert (again.taken, bytes_) == (0 if kind == "swapped" else 8, whole), kind
     unnamed = xr.load_dataset(first)  # of an earlier version
     del unnamed.attrs[casecache.CASE]
     write_whole(unnamed, first)
-    assert slab(film, tmp_path)[0].taken == 8
+    assert slab(film, results)[0].taken == 8

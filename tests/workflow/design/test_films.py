@@ -29,7 +29,7 @@ design:
 
 def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPatch) -> None:
     study = made(FILM)
-    model = fitted(study, calibrated=True)
+    model = fitted(study)
     counts: list[int] = []
     exact = sources.Exact.values
 

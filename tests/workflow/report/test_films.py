@@ -36,7 +36,7 @@ def study() -> Study:
 
 def test_times_hold_tables_and_the_panel_knows_no_closed_form(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     quantities = factorial.exact(study, factorial.axes(study))
-    model = fitted(study, calibrated=True)
+    model = fitted(study)
     cases, solved, calls = factorial.cases(study, "validation"), factorial.exact, []
 
     def counted(study: Study, axes: dict[str, Any], **options: Any) -> xr.Dataset:
