@@ -205,7 +205,7 @@ class _Problem:
         loadings = self._loadings(derivatives)
         count, least = _COARSE // 4, max(self._least_cells(window), _SLOPED if derivatives and error < _ROUGH else 0)
         before, errors = dict[str, float](), dict[str, float]()
-        sloped: list[tuple[dict[str, Linearised], Linearised]] = []  # contacts on grids that are fine enough for slopes
+        sloped: list[tuple[dict[str, Linearised], Linearised]] = []  # on the last two fine grids
         while True:
             count = min(2 * count, cells) if cells else 2 * count
             shape = window.counts(count)
@@ -219,7 +219,8 @@ class _Problem:
                 name: converged(system.under(loading), state, _ACCURACY * error)[1]
                 for name, loading in loadings.items()
             } or {"main": grounded}
-            sloped += [(solved, grounded)] if count >= max(least, _SLOPED) else []
+            if count >= max(least, _SLOPED):
+                sloped = [*sloped[-1:], (solved, grounded)]
             tangents = {name: linear.tangent(_TANGENT * error) for name, linear in solved.items()}
             results = {name: load for each in (grounded, *solved.values()) for name, load in _loads(each).items()}
             tangent, results["capacitance"] = tangents["main"]
@@ -233,7 +234,7 @@ class _Problem:
             is_fine = count >= least and (count >= _REFINED or (errors and max(errors.values()) <= error))
             if count == cells or (cells is None and is_fine):
                 break
-        contacts, (coarse, coarse_grounded) = {}, (sloped or [(solved, grounded)])[-2:][0]
+        contacts, (coarse, coarse_grounded) = {}, (sloped or [(solved, grounded)])[0]
         for name, linear in solved.items():
             tangent, fixed = tangents[name]
             if derivatives:
