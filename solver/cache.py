@@ -1,7 +1,7 @@
 """Results that the solver keeps between calls: the most recently used ones, together below a bound in bytes.
 
-A table fills itself when it is read, so that its size is not known when it is stored. The sizes of all results are
-therefore summed when another result is stored, and after calls of the solver for at most 2 % of the time.
+The size of a result is added when it is stored. A table fills itself when it is read, so that the sizes of all results
+are summed anew where they are beyond the bound, and from time to time: for at most 2 % of the time.
 """
 
 from collections import OrderedDict
@@ -22,22 +22,23 @@ _P = ParamSpec("_P")
 _R = TypeVar("_R")
 _NO_DATA = (type, ModuleType, FunctionType, BuiltinFunctionType, MethodType)
 _OBJECT = 100  # bytes of an object that is no array, with its share of dictionaries
-_SMALL = 64  # results of small functions that are stored between two sums
-_APART = 50  # durations of a sum that pass before the next call is followed by one: tables fill more slowly
+_APART = 50  # durations of a sum that pass before the next one: tables fill more slowly
+_LEFT = 0.75  # of the bound, after it was passed: else every further result would be followed by a sum
 
 _lock = RLock()
 _results: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()  # arguments and result, the oldest first
-_unsummed = 0  # small results that were stored since the last sum
+_total = 0.0  # bytes of all results: those of the last sum, and of what was stored since
+_counted: set[int] = set()  # identities of the objects in this total
 _used = False  # whether a result was read or stored since the last sum: tables fill themselves
-_next = 0.0  # processor time from which on a call is followed by a sum [s]
+_next = 0.0  # processor time of the next sum [s]
 
 
 class Cached(Generic[_P, _R]):
     """A function whose results are kept; its arguments must be hashable."""
 
-    def __init__(self, function: Callable[_P, _R], small: bool) -> None:
+    def __init__(self, function: Callable[_P, _R]) -> None:
         self.misses = 0
-        self._function, self._small = function, small
+        self._function = function
         update_wrapper(self, function)
 
     def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -54,30 +55,31 @@ class Cached(Generic[_P, _R]):
         with _lock:
             self.misses += 1
             _results[key] = (key, result)
-            _count(self._small)
+            _count(key)
         return result
 
     def clear(self) -> None:
         """Forget every result of the function."""
+        global _next
         with _lock:
+            _next = 0.0
             for key in [key for key in _results if key[0] is self._function]:
                 del _results[key]
 
 
 def cached(function: Callable[_P, _R]) -> Cached[_P, _R]:
     """A function whose results are kept as long as they are among the most recently used."""
-    return Cached(function, small=False)
+    return Cached(function)
 
 
-def cached_small(function: Callable[_P, _R]) -> Cached[_P, _R]:
-    """A function of small results, below 1 MB: some dozens of them are stored between two sums."""
-    return Cached(function, small=True)
-
-
-def _count(small: bool) -> None:
-    global _unsummed
-    _unsummed += 1 if small else _SMALL
-    if _unsummed >= _SMALL:
+def _count(key: tuple[Any, ...]) -> None:
+    global _total
+    size, objects = _size(_results[key], _counted)
+    _total += size
+    _counted.update(objects)
+    if _total > LARGEST:
+        trim(_LEFT * LARGEST)
+    elif process_time() >= _next:
         trim()
 
 
@@ -87,26 +89,26 @@ def trim_after_call() -> None:
         trim()
 
 
-def trim() -> float:
-    """Drop the least recently used results beyond the bound; bytes of those that stay."""
-    global _unsummed, _used, _next
+def trim(bound: float = np.inf) -> float:
+    """Drop the least recently used results beyond a bound, the largest if none is stated; bytes of those that stay."""
+    global _total, _counted, _used, _next
     start = process_time()
     with _lock:
-        _unsummed, _used = 0, False
-        seen: set[int] = set()
-        total, dropped = 0.0, False
+        _used = False
+        _total, _counted, dropped = 0.0, set(), False
         for number, (key, entry) in enumerate(reversed(list(_results.items()))):
-            size = _size(entry, seen)
-            if number and total + size > LARGEST:  # the newest result is in use, whatever its size
+            size, objects = _size(entry, _counted)
+            if number and _total + size > min(bound, LARGEST):  # the newest result is in use, whatever its size
                 del _results[key]
                 dropped = True
             else:
-                total += size
+                _total += size
+                _counted |= objects
         end = process_time()
         _next = end + _APART * (end - start)
     if dropped:
         _return_memory()(0)
-    return total
+    return _total
 
 
 @cache
@@ -116,16 +118,16 @@ def _return_memory() -> Callable[[int], object]:
     return trimmed
 
 
-def _size(entry: object, seen: set[int]) -> float:
-    """Bytes of an entry, without objects counted before."""
-    size, waiting = 0.0, [entry]
+def _size(entry: object, counted: set[int]) -> tuple[float, set[int]]:
+    """Bytes of an entry, without objects counted before, and the identities of its other objects."""
+    size, waiting, objects = 0.0, [entry], set[int]()
     while waiting:
         value = waiting.pop()
-        if id(value) in seen or isinstance(value, _NO_DATA):
+        if id(value) in counted or id(value) in objects or isinstance(value, _NO_DATA):
             continue
-        seen.add(id(value))
+        objects.add(id(value))
+        size += _OBJECT
         if isinstance(value, np.ndarray):
-            size += _OBJECT
             if isinstance(value.base, np.ndarray):
                 waiting.append(value.base)
             elif value.base is None:
@@ -133,6 +135,5 @@ def _size(entry: object, seen: set[int]) -> float:
             if value.dtype == object:
                 waiting.extend(value.ravel().tolist())
         else:
-            size += _OBJECT
             waiting.extend(get_referents(value))
-    return size
+    return size, objects

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from approximation.arrays import Indices
 from approximation.chebyshev import gauss_points, interpolation, legendre_rule
 from solver.arrays import Array, BoolArray
-from solver.cache import cached_small
+from solver.cache import cached
 
 RULE = 12  # nodes where charges and a panel of the kernel meet: exact for both
 GRADED = 0.12 ** np.arange(8.0)  # of the infinite panel, towards the logarithm at its end
@@ -355,7 +355,7 @@ class Grid:
         return np.asarray(self.interpolation(np.zeros(1))[0])
 
 
-@cached_small
+@cached
 def _grid(count: int, logarithms: tuple[int, ...]) -> Grid:
     return Grid((*_EDGE, *_BEYOND, *(_BEYOND[-1] + _WIDTH * np.arange(1, count + 1))), logarithms)
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.cache import cached_small
+from solver.cache import cached
 from solver.gap.grid import Grid, gauss
 from solver.gap.refusal import GapError
 
@@ -167,7 +167,7 @@ class Rings:
             yield panel, rows, other, share * (np.cosh(other) / np.cosh(target)) ** self.order
 
 
-@cached_small
+@cached
 def rings(reach: float = FARTHEST) -> Rings:
     """Rings whose finite panels end at ``reach`` contact radii, the same for every contact."""
     return Rings(Grid.up_to(reach))

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import beta, roots_jacobi
 
 from solver.arrays import Array, Points
-from solver.cache import cached_small
+from solver.cache import cached
 
 #: The closed transforms cancel exp(c), c = 2 M log of the ellipse through z: below this c, three digits, they are used.
 CANCELS = 6.9
@@ -183,7 +183,7 @@ class Basis:
         return np.asarray((weight * mean) @ self.pressure_factor(S))
 
 
-@cached_small
+@cached
 def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
     """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to."""
     with np.errstate(

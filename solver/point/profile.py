@@ -19,7 +19,7 @@ from scipy.special import beta, gammaln, gammasgn, hyp2f1
 
 from approximation.arrays import Indices
 from solver.arrays import Array
-from solver.cache import cached_small
+from solver.cache import cached
 
 #: Exponent of a flat end.
 DISC = 0.0
@@ -94,7 +94,7 @@ def _form(e: float, x: Array, r: Array) -> Array:
     )
 
 
-@cached_small
+@cached
 def halfspace_peak(shape: Shape) -> float:
     """Largest value of ``halfspace_form``: at the centre up to the exponent 2, towards the edge above."""
     values = halfspace_form(shape, SAMPLES)
