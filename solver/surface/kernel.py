@@ -9,9 +9,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from math import factorial
 
 import numpy as np
 import scipy.fft
+from scipy.interpolate import BSpline, PPoly, make_interp_spline
 from scipy.ndimage import map_coordinates, spline_filter
 from scipy.special import j0, j1, jv
 
@@ -51,11 +53,20 @@ def half_space_table(body: SurfaceBody, pairs: Pairs, is_far: bool = False) -> A
     theta = 2 * np.pi * np.arange(count) / count
     Y = body.multiplier(np.array([0.0]), theta)[0] if is_far else body.response(np.array([np.inf]), theta)[0]
     harmonics = np.fft.fft(np.stack([Y[:, i, j] for i, j in pairs]), axis=1) / count
-    n = np.fft.fftfreq(count, 1 / count)
-    turned = harmonics * 1j ** np.abs(n) / (2 * np.pi)
+    n = np.fft.fftfreq(count, 1 / count).astype(int)
+    turned = harmonics * _occurs(body, pairs, n) * 1j ** np.abs(n) / (2 * np.pi)
     wide = np.zeros((len(pairs), _ANGLES), np.complex128)
-    wide[:, n.astype(int) % _ANGLES] = turned
+    wide[:, n % _ANGLES] = turned
     return np.asarray(np.fft.ifft(wide, axis=1).real * _ANGLES)
+
+
+def _occurs(body: SurfaceBody, pairs: Pairs, n: Indices) -> BoolArray:
+    """Whether the harmonic n of the direction is no rounding of perturbed roots; (pair, n).
+
+    On a body that is isotropic about z, normal tractions and charges have harmonic 0, tangential tractions 1.
+    """
+    tangential = np.array([[J < NORMAL] for _, J in pairs])
+    return np.asarray((np.abs(n) == tangential) | (not body.isotropic))
 
 
 @cached
@@ -87,6 +98,12 @@ def _edges(table: Array, across: Array, along: Array, swapped: bool) -> Array:
     return result
 
 
+def _polynomials(spline: BSpline) -> PPoly:
+    """Polynomials between the knots of a quintic spline, which are read several times as fast."""
+    knots = np.unique(spline.t[5:-5])
+    return PPoly([spline(knots[:-1], m) / factorial(m) for m in range(5, -1, -1)], knots, spline.extrapolate)
+
+
 def _edge_integrals(
     table: Array, constant: BoolArray, X: Array, start: Array, end: Array, count: int, swapped: bool
 ) -> Array:
@@ -97,32 +114,33 @@ def _edge_integrals(
     result[constant] = table[constant, 0, None, None] * 2 * half
     varying = np.flatnonzero(~constant)
     if varying.size:
+        angles = 2 * np.pi * np.arange(_ANGLES + 1) / _ANGLES
+        turn = np.concatenate([table[varying], table[varying, :1]], axis=1).T
+        by_angle = _polynomials(make_interp_spline(angles, turn, 5, bc_type="periodic"))
         nodes, weights = np.polynomial.legendre.leggauss(count)
         for node, weight in zip(nodes, weights, strict=True):
             y, x = np.abs(X) * np.sinh(middle + half * node), np.broadcast_to(X, half.shape)
-            angle = np.arctan2(x, y) if swapped else np.arctan2(y, x)
-            place = (angle * (_ANGLES / (2 * np.pi))).ravel()
-            for pair in varying:
-                values = map_coordinates(table[pair], place[None], order=5, mode="grid-wrap")
-                result[pair] += weight * half * values.reshape(half.shape)
+            values = by_angle(np.arctan2(x, y) if swapped else np.arctan2(y, x))
+            result[varying] += weight * half * np.moveaxis(values, -1, 0)
     return np.asarray(X * result)
 
 
 @dataclass(frozen=True, eq=False)
 class _LayerTable:
-    """D over asinh(r / width) and the angle, with margins for the spline."""
+    """D over asinh(r / width) and the angle."""
 
-    values: Array  # (pair, r, angle), or (pair, r) of a D that does not depend on the angle
     width: float  # [m]
-    angles: int  # Number of angles over a full turn; 0 of a D that does not depend on the angle
+    radial: PPoly | None = None  # Of all pairs over asinh(r / width), where D does not depend on the angle
+    values: Array | None = None  # Coefficients of splines, with margins; (pair, r, angle)
+    angles: int = 0  # Number of angles over a full turn
 
     def at(self, x: Array, y: Array) -> Array:
         """D on a grid that is symmetric about its middle [m]; (pair, x, y)."""
-        if self.angles == 0:
+        if self.radial is not None:
             (right, of_x), (upper, of_y) = _mirrored(x), _mirrored(y)
-            places = np.arcsinh(np.hypot(right[:, None], upper) / self.width) / _SPACING + _MARGIN
-            quarter = [map_coordinates(v, places[None], order=5, mode="mirror", prefilter=False) for v in self.values]
-            return np.stack([part[of_x[:, None], of_y] for part in quarter])
+            quarter = self.radial(np.arcsinh(np.hypot(right[:, None], upper) / self.width))
+            return np.moveaxis(quarter, -1, 0)[:, of_x[:, None], of_y]
+        assert self.values is not None
         result = np.empty((len(self.values), x.size, y.size))
         rows = max(1, 2**18 // y.size)  # bounds the memory
         for first in range(0, x.size, rows):
@@ -163,31 +181,33 @@ def _layer_table(body: SurfaceBody, pairs: Pairs, reach: float, blur: float) -> 
         )
         for number, (i, j) in enumerate(pairs):
             added[number, part, :half], added[number, part, half:] = Y[:, :, i, j], np.conj(Y[:, :, i, j])
-    harmonics = np.fft.fft(added, axis=-1) * weights[:, None] / count
+    n = np.fft.fftfreq(count, 1 / count).astype(int)
+    harmonics = np.fft.fft(added, axis=-1) * _occurs(body, pairs, n)[:, None] * weights[:, None] / count
     last = int(np.arcsinh(reach / width) / _SPACING) + 2 + _MARGIN
     r = width * np.sinh(_SPACING * np.arange(last + 1))
     radial = np.zeros((len(pairs), r.size, count), np.complex128)
     size = np.max(np.abs(harmonics[..., : count // 2]), axis=(0, 1))
     highest = int(np.max(np.flatnonzero(size > _ROUNDING * np.max(size)), initial=0))
-    for n, bessel in _bessel(highest, np.outer(r, k)):
-        for place in {n, -n % count}:
+    for order, bessel in _bessel(highest, np.outer(r, k)):
+        for place in {order, -order % count}:
             by_pair = harmonics[:, :, place].T  # complex: twice as fast part by part
             sums = bessel @ np.ascontiguousarray(by_pair.real) + 1j * (bessel @ np.ascontiguousarray(by_pair.imag))
-            radial[:, :, place] = sums.T * 1j**n / (2 * np.pi)
+            radial[:, :, place] = sums.T * 1j**order / (2 * np.pi)
     if highest == 0:
         values = radial[:, :, 0].real
         values = np.concatenate([values[:, _MARGIN:0:-1], values], axis=1)
-        return _LayerTable(np.stack([spline_filter(v, order=5, mode="mirror") for v in values]), width, 0)
+        places = _SPACING * np.arange(-_MARGIN, last + 1)
+        return _LayerTable(width, _polynomials(make_interp_spline(places, values.T, 5)))
     angles = max(2 * count, 16)
     wide = np.zeros((len(pairs), r.size, angles), np.complex128)
-    n_all = np.fft.fftfreq(count, 1 / count).astype(int)
-    wide[:, :, n_all % angles] = radial
+    wide[:, :, n % angles] = radial
     values = np.fft.ifft(wide, axis=-1).real * angles
     # a negative distance is the opposite angle
     mirrored = np.roll(values[:, _MARGIN:0:-1], angles // 2, axis=-1)
     values = np.concatenate([mirrored, values], axis=1)
     values = np.concatenate([values[..., -_MARGIN:], values, values[..., : _MARGIN + 1]], axis=-1)
-    return _LayerTable(np.stack([spline_filter(v, order=5, mode="mirror") for v in values]), width, angles)
+    splines = np.stack([spline_filter(v, order=5, mode="mirror") for v in values])
+    return _LayerTable(width, values=splines, angles=angles)
 
 
 def _wavenumbers(body: SurfaceBody, reach: float, end: float) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ import pytest
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import waves
 from solver.surface.contact import isotropic_half_space
+from solver.surface.kernel import NORMAL_PAIRS, kernel
 from solver.surface.response import SurfaceBody, SurfaceLayer
 from tests.solver.surface.crystals import film, hexagonal, lithium_niobate, tensor, tilted, y_cut
 
@@ -83,3 +84,13 @@ def test_only_bodies_isotropic_about_the_normal_count_as_such() -> None:
     assert not SurfaceBody((), lithium_niobate()).isotropic
     cubic = np.diag([166e9] * 3 + [80e9] * 3) + np.pad(64e9 * (1 - np.eye(3)), (0, 3))
     assert not SurfaceBody((), tensor(cubic, np.zeros((3, 6)), 1e-10 * np.eye(3))).isotropic
+
+
+def test_cells_on_a_film_on_steel_influence_each_other_alike_in_every_direction() -> None:
+    """Roots of steel coincide and are perturbed: what that adds to other directions is rounding."""
+    steel = isotropic_half_space(206e9, 0.3)
+    body = SurfaceBody((SurfaceLayer(hexagonal("PZT-4"), 1e-4),), steel.base)
+    table = kernel(body, None, NORMAL_PAIRS, (16, 16), 2e-5, 2e-5)
+    for pair in NORMAL_PAIRS:
+        spectrum = np.fft.rfft2(np.fft.irfft2(table.spectra[pair], table.padded).T)
+        assert np.max(np.abs(spectrum - table.spectra[pair])) < 1e-14 * np.max(np.abs(spectrum))
