@@ -184,7 +184,8 @@ def check_heat(arrays: Mapping[str, xr.DataArray]) -> None:
     kinds, space = kinds_of(arrays), in_space(arrays)
     for name in names:
         refuse(arrays, name, space, "of a contact in space; heat is solved for contacts along a line and at a point")
-        refuse(arrays, name, kinds.isin([kind for kind in np.unique(kinds) if "film" not in kind]), "without a film")
+        filmless = [kind for kind in np.unique(kinds) if "film" not in kind]
+        refuse(arrays, name, kinds.isin(filmless), "without a film; heat needs its thickness")
         if np.any(np.isnan(bare(arrays, name).values)):
             raise FactorError(f"{name}: missing in a case; heat is asked of all cases or of none")
     for name in names if "touch_temperature" in arrays else ["touch_temperature", *names]:

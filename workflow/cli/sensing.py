@@ -93,7 +93,9 @@ def read_history(path: Path, length: float | None) -> tuple[History, bool]:
     warm = next((name for name in ("temperature", _CELSIUS) if name in table.columns), None)
     temperatures = None if warm is None else table.numbers(warm, _NEEDS)
     if temperatures is not None:
-        temperatures = temperatures + (_FREEZING if _CELSIUS in table.columns else 0.0)
+        if warm != _CELSIUS and _CELSIUS in table.columns:
+            raise InputError(f"{path}: {_CELSIUS}: stands beside another temperature; must be the only one")
+        temperatures = temperatures + (_FREEZING if warm == _CELSIUS else 0.0)
         if (cold := ~(temperatures > 0)).any():
             row = int(cold.argmax())
             raise InputError(f"{table.at(row)}: temperature: {temperatures[row]:g} K is not a finite number > 0 [K]")
@@ -242,6 +244,10 @@ def _figures(
         constant = f"decays with the time constant {shown(figures.time_constant, 's', 3)}"
         if figures.drop(DROP) < GONE:
             constant += f": {shown(figures.drop(DROP), '%', 3)} less after {DROP:g} s"
+    offset = circuit.gain * circuit.bias_current / (figures.capacitance + circuit.capacitance)
+    bias = f"changes the output by {shown(offset, 'V s-1', 3)}"
+    if np.isfinite(figures.time_constant):
+        bias = f"leaves {shown(offset * figures.time_constant, 'V', 3)} at the output in the end"
     return [
         f"{name}: {shown(float(values[place]), 'V', 3)} at {shown(float(history.times[place]), 's', 3)}"
         for name, values in (("peak voltage of the punch", reading.voltage), ("peak output", reading.output))
@@ -250,5 +256,6 @@ def _figures(
         f"contact at {shown(contact.largest_force, 'N', 3)}: {shown(figures.charge, 'C', 3)} at zero volts, "
         f"{shown(figures.capacitance, 'F', 3)}",
         f"a constant force {constant}",
+        *([f"the bias current {bias}"] if circuit.bias_current else []),
         f"noise floor: {shown(noise, 'C', 3)}, {shown(at_output, 'V', 3)} at the output, {shown(as_force, 'N', 3)}",
     ]

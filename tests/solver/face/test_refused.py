@@ -142,6 +142,7 @@ REFUSED: dict[str, Case] = {
     "patch_size: 1e+04 thicknesses of the top layer; the patch reaches farther ": PATCH | {"patch_size": 1.0},
     "collector: missing; patch_size needs it": ON_FILM | {"patch_size": 1e-3},
     "collector: 1 without a film": BALL | {"collector": 1},
+    "touch_temperature: 303 without a film; heat needs its thickness": BALL | {"touch_temperature": 303.0, "hold": 1.0},
     "patch: 'disc' below a contact along": LINE | BARE | READ | {"patch_size": 1e-3, "patch": "disc"},
     "patch: 'ring' is not one of disc, strip": PATCH | {"patch": "ring"},
     "total_charge: 1e-09 of a punch on an electrode": ON_FILM | {"electrode": "top", "total_charge": 1e-9},

@@ -278,6 +278,18 @@ def test_a_tilted_roller_is_that_in_space(
         assert tilted.lengths[1] / length == pytest.approx(least, abs=0.02)
 
 
+@pytest.mark.parametrize(("material", "load", "air"), [("BaTiO3", 5e5, "insulated"), ("PZT-4", 1e5, "air")])
+def test_the_ends_of_a_roller_in_space_add_at_most_what_is_said(material: str, load: float, air: str) -> None:
+    length = 6e-3
+    line = {"material": material, "thickness": 0.2e-3, "base": "steel", "radius": 0.3, "punch": "steel"}
+    line |= {"magnetic": "insulating", "surroundings": air}
+    roller = {"profile": "roller", "length": length, "force": load * length, "grid_error": 0.01}
+    plane, space = (float(solve(line | press)["charge_per_force"].squeeze()) for press in ({"load": load}, roller))
+    words = effects(line | {"load": load}, device={"electrode_length": length})["tilt"].left_out_words
+    most = float(words.split("both ends add at most ")[1].split(" %")[0])
+    assert most / 2.5 < 100 * (space / plane - 1) < most
+
+
 def test_a_ball_on_a_film_has_the_figures_of_its_page() -> None:
     budget = effects(BALL, device=AMPLIFIER, smallest_force=5e-6)
     assert 1 + budget["roughness"].left_out_share == pytest.approx(2.7, rel=0.1)  # of another grid, its waves unknown

@@ -50,6 +50,9 @@ SPARK = 65e6  # V/m: from which gaps of air up to 4 um spark
 
 # most change of a film's charge per force over 2 R rms/a^2: 65 rough balls in space on PZT-4 and PVDF, a/h 0.2 to 10
 _CHARGE_MOVES = 0.22
+# most length by which both ends of a line add to a film's charge, over a + h and in air over (2 R film_gap)^1/2: 53
+# rollers in space on PZT-4, BaTiO3, PVDF and AlN, a/h 0.1 to 4, R/h 25 to 2500
+_ENDS, _ENDS_IN_AIR = 0.6, 0.4
 _STEEP = 0.01  # rms over the contact's radius: waves that long and higher have slopes that no polish leaves
 _FEW = 0.1  # share of the charge from which bending and the end of a pad matter, and of the force a weight
 _STEP = 1.1  # factor of the load for the powers by which depth and pressure grow
@@ -445,6 +448,11 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
     detail = f"; an end of its {shown(case.length, 'm', 3)} lifts at {shown(lifting, 'rad', 2)} or more"
     if left < 1:
         detail += f", and at least {number(100 * left, 2)} % of the length stay in contact"
+    stack = case.stack
+    if case.read == "charge_per_force" and stack and np.isfinite(case.charge):
+        gained = _ENDS * (case.half + sum(layer.thickness for layer in stack.layers))
+        gained += _ENDS_IN_AIR * np.sqrt(2 * case.radius * film_gap(stack)) * case.kind.air
+        detail += f"; both ends add at most {number(100 * gained / case.length, 2)} % to the charge"
     yield _effect(case, "tilt", "stress", TILT, doubling, "rad", factor - 1, brief, detail)
 
 
