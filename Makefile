@@ -45,11 +45,12 @@ soak: .venv/dev.stamp  ## a hundred kills, ten thousand hostile files, every che
 ROOMS = tests/workflow/design/test_polish.py tests/workflow/study/test_categories.py tests/surrogate/search tests/test_examples.py
 DIGITS = tests/surrogate tests/workflow/design tests/workflow/study tests/test_examples.py
 THREADS = 1
-kernels: .venv/dev.stamp  ## the rooms where digits matter, under every OpenBLAS kernel of this processor
-	@for kernel in Haswell SkylakeX Zen Nehalem; do \
+kernels: .venv/dev.stamp  ## the rooms where digits matter, under three kinds of OpenBLAS kernel that this processor has
+	@count=0; for kernel in Haswell SkylakeX Nehalem Sandybridge; do \
+	  [ $$count -lt 3 ] || break; \
 	  export OPENBLAS_CORETYPE=$$kernel OMP_NUM_THREADS=$(THREADS); \
 	  if $(BIN)/python -c 'import numpy; numpy.linalg.cholesky(numpy.eye(64) @ numpy.eye(64))' 2>/dev/null; then \
-	    echo "$$kernel, threads: $(THREADS)"; \
+	    echo "$$kernel, threads: $(THREADS)"; count=$$((count + 1)); \
 	    $(BIN)/python -m pytest -n auto $(LAYERS) $(ROOMS) || exit 1; \
 	  else echo "$$kernel: not run, as this processor lacks it"; fi; \
 	done

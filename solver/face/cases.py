@@ -115,9 +115,14 @@ class Cases:
         return self.values[name].flat[0] if name in self.values else CHOICES[name][0]
 
     @cached_property
+    def kinds(self) -> list[Kind]:
+        """The kinds of body of the cases."""
+        return present(self.arrays)
+
+    @property
     def kind(self) -> Kind:
         """The kind of body of cases of one kind."""
-        return present(self.arrays)[0]
+        return self.kinds[0]
 
     @property
     def coordinates(self) -> dict[str, xr.Variable]:
@@ -149,7 +154,6 @@ class Cases:
 
         values: mapping of str to ndarray, shape (..., own axes), SI.
         """
-        kinds = present(self.arrays)
         extra = {name: axis.size for name, axis in (axes or {}).items()}
         outputs = {}
         for name, value in values.items():
@@ -157,7 +161,9 @@ class Cases:
             if not finite.all() and not np.all(finite | (np.isnan(value) & (described[name].sparse | hollow))):
                 raise CaseError(f"{name}: not finite for these {origin}")
             whole = np.broadcast_to(value, (*self.sizes.values(), *extra.values()))
-            outputs[name] = xr.Variable((*self.sizes, *extra), whole, of_output(described[name], self.arrays, kinds))
+            outputs[name] = xr.Variable(
+                (*self.sizes, *extra), whole, of_output(described[name], self.arrays, self.kinds)
+            )
         return outputs
 
     def by_blocks(

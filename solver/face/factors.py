@@ -98,7 +98,7 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
     _check_charges(arrays)
     check_elasticity(arrays, "punch")
     check_space(arrays)
-    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS or np.any(in_space(arrays)) else arrays
+    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS or in_space(arrays).values.any() else arrays
 
 
 def _with_cuts(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
@@ -264,7 +264,8 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
             if not (is_finite(value) or (factor.optional and absent(value))):
                 raise FactorError(f"{name}: {shown(value)} is not {factor.allowed}")
         array = array.copy(data=np.frompyfunc(lambda value: np.nan if absent(value) else value, 1, 1)(array.values))
-    array = array.astype(np.float64)
+    if array.dtype != np.float64:
+        array = array.copy(data=array.values.astype(np.float64))
     values = array.values
     above = values >= factor.low if factor.low_allowed else values > factor.low
     below = values <= factor.high if factor.high_allowed else values < factor.high

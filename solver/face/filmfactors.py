@@ -63,9 +63,11 @@ def kinds_of(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
 
 def in_space(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
     """True for contacts in space: by the profile, or of revolution on a cut crystal."""
+    if "profile" not in arrays:
+        return xr.DataArray(False)
     space = among(arrays, "profile", _IN_SPACE)
     on_cuts = among(arrays, "profile", ON_CUTS)
-    if not np.any(on_cuts):
+    if not on_cuts.values.any():
         return space
     if "cut" in arrays:
         return space | on_cuts
@@ -80,8 +82,8 @@ def in_space(arrays: Mapping[str, xr.DataArray]) -> xr.DataArray:
 
 def present(arrays: Mapping[str, xr.DataArray]) -> list[Kind]:
     """The kinds of the cases."""
-    names = kinds_of(arrays).values
-    return [kind for kind in KINDS.values() if np.any(names == kind.name)]
+    names = kinds_of(arrays).values.ravel()
+    return [kind for kind in KINDS.values() if (names == kind.name).any()]
 
 
 def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
@@ -97,14 +99,14 @@ def check_films(arrays: Mapping[str, xr.DataArray]) -> None:
         _check_stacks(arrays)
     for name in OF_A_FILM[1:]:
         refuse(arrays, name, present[name] & ~film, "without a thickness; only a film has one")
-    if not np.any(film):
+    if not film.values.any():
         return
     if "base" in arrays:
         for value in arrays["base"].values.flat:
             if not (absent(value) or isinstance(value, str | Material)):
                 raise FactorError(f"base: {shown(value)} is no material; must be {_BASE}")
     check_elasticity(arrays, "base")
-    if np.any(film & ~present["base"] & ~present["base_modulus"]):
+    if (film & ~present["base"] & ~present["base_modulus"]).values.any():
         raise FactorError(f"base: missing; must be {_BASE}")
     graded, exponent = present["base_volume_fraction"], present["grading_exponent"]
     refuse(arrays, "base_volume_fraction", graded & in_space(arrays), "grades a film below a contact in space")
@@ -122,7 +124,7 @@ def check_elasticity(arrays: Mapping[str, xr.DataArray], body: str) -> None:
     for name in (modulus, poisson):
         refuse(arrays, name, present[name] & present[body], f"beside a {body}; give either")
     for name, other in ((poisson, modulus), (modulus, poisson)):
-        if np.any(present[other] & ~present[name]):
+        if (present[other] & ~present[name]).values.any():
             raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed}")
 
 
@@ -140,7 +142,7 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
     ended = _has(arrays, "gap_radius")
     if "gap_radius" in arrays:
         refuse(arrays, "gap_radius", ended & ~pointed, "beside a contact along a line; only a point's gap has one")
-    if np.any(air & ~ended & among(arrays, "profile", ["cone", "power"])):
+    if (air & ~ended & among(arrays, "profile", ["cone", "power"])).values.any():
         raise FactorError(
             f"gap_radius: missing; must be {FACTORS['gap_radius'].allowed}: a cone or a power beside air says nowhere "
             "how wide the punch is, and the charge in its gap grows with that"
@@ -149,21 +151,23 @@ def check_gaps(arrays: Mapping[str, xr.DataArray]) -> None:
 
 def check_space(arrays: Mapping[str, xr.DataArray]) -> None:
     """Only contacts in space have a cut, a direction of sliding and a height map; their punch conducts a field."""
+    if not arrays.keys() & {"profile", *OF_SPACE, HEIGHT_MAP}:
+        return
     names = [name for name in (*OF_SPACE, HEIGHT_MAP) if name in arrays]
     mapped = among(arrays, "profile", ["map"])
-    if np.any(mapped) and HEIGHT_MAP not in arrays:
+    if mapped.values.any() and HEIGHT_MAP not in arrays:
         raise FactorError(f"{HEIGHT_MAP}: missing; a file of heights or an array over x and y [m] (profile map)")
     space = in_space(arrays)
     for name in names:
-        if name == HEIGHT_MAP and not np.all(mapped):
+        if name == HEIGHT_MAP and not mapped.values.all():
             raise FactorError(f"{name}: only the profile map has one")
-        if not np.all(space):
+        if not space.values.all():
             raise FactorError(
                 f"{name}: only contacts in space have it: profile {', '.join(_IN_SPACE)}, or {', '.join(ON_CUTS)} with "
                 "a cut"
             )
     angled = among(arrays, "cut", ANGLED_CUTS)
-    if np.any(angled) and "cut_angle" not in arrays:
+    if angled.values.any() and "cut_angle" not in arrays:
         raise FactorError(f"cut_angle: missing; must be {FACTORS['cut_angle'].allowed}, as '36 deg'")
     if "cut_angle" in arrays and "cut" not in arrays:
         raise FactorError("cut: missing; must be rotated Y or tilt where there is a cut_angle")
@@ -224,7 +228,7 @@ def _check_stacks(arrays: Mapping[str, xr.DataArray]) -> None:
 
 def refuse(arrays: Mapping[str, xr.DataArray], name: str, bad: xr.DataArray, why: str) -> None:
     """Raise FactorError, with the first offending value, where there is one."""
-    if not np.any(bad):
+    if not bad.values.any():
         return
     values, places = xr.broadcast(bare(arrays, name), bad)
     first: Any = values.values[places.values].flat[0]
@@ -252,7 +256,7 @@ def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     """Factors with the surroundings of every case, where a film or a table leaves them open."""
     surroundings = arrays.get("surroundings")
     opened = (
-        arrays.keys() & {BODY, "thickness"} or np.any(in_space(arrays))
+        arrays.keys() & {BODY, "thickness"} or in_space(arrays).values.any()
         if surroundings is None
         else any(map(absent, surroundings.values.flat))
     )

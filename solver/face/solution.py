@@ -161,7 +161,8 @@ def solve(
         count = prod(cases.sizes.values())
         warnings.warn(SmallStrainWarning(sentence(strains, count), strains), stacklevel=2)
     first = [name for name in ALL_QUANTITIES if name in out]
-    return out[[*first, *(name for name in out.data_vars if name not in first)]]
+    ordered = [*first, *(name for name in out.data_vars if name not in first)]
+    return out if ordered == list(out.data_vars) else out[ordered]
 
 
 def body_of(cases: Cases) -> Body:

@@ -18,6 +18,7 @@ _LEAST_POINTS = 4  # a side of a height map: those of a cubic spline
 _MOST_POINTS = 4096  # a side of a height map: 134 MB
 _WAVES = 400  # of a rough surface: the root mean square of its heights in a contact then scatters as that of a real one
 _HURST = 0.8  # of polished and ground surfaces
+_SMOOTH = 1e4  # height over the roughness beyond which waves change no charge: by 1e-8, its square
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,9 +155,11 @@ class RoughSphere(Shape):
         along, across, amplitude = self._waves
         x, y = np.asarray(x), np.asarray(y)
         heights = np.asarray((np.square(x) + np.square(y)) / (2 * self.radius))
+        if np.min(heights) > _SMOOTH * self.roughness:
+            return heights
         if x.ndim == 2 and x.shape[1] == 1 and y.ndim == 1:  # a grid, of products
-            waves_x, waves_y = np.exp(1j * along * x), np.exp(1j * np.outer(across, y))
-            return np.asarray(heights + (waves_x * amplitude @ waves_y).real)
+            waves_x, waves_y = amplitude * np.exp(1j * along * x), np.exp(1j * np.outer(across, y))
+            return np.asarray(heights + waves_x.real @ waves_y.real - waves_x.imag @ waves_y.imag)
         waves = amplitude * np.exp(1j * (along * x[..., None] + across * y[..., None]))
         return np.asarray(heights + np.sum(waves, axis=-1).real)
 
