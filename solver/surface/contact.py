@@ -43,7 +43,9 @@ _SHARE_LEFT = {
 }
 _SLOPED, _ROUGH = 64, 1e-2  # cells of slopes over the load, unless an error as large as this is allowed
 _FALL = 4.0  # largest ratio of the errors of two grids that is believed: a smaller difference may be luck
-_LEAST_COUPLED = 0.01  # of the charge of a fully coupled body
+# of the charge of a fully coupled body: smaller ones, and their voltages, have errors relative to these. Without charge
+# a punch on a cut with little has parts of both signs, which do not cancel to the same digits
+_LEAST_COUPLED = {"charge": 0.01, "stroke": 0.01, "voltage": 0.05}
 _PER_WAVE = 4  # cells along the shortest wave of a rough punch
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
@@ -228,7 +230,7 @@ class _Problem:
                 results["stroke"] = float(tangent[0, 1] / tangent[0, 0])
             if not self._reaches_end(grid, state):
                 results["pressure"] = float(np.max(solved["main"].state.pressure)) / system.compliance
-            estimated = _errors(before, results, _LEAST_COUPLED * grounded.loads[0] * system.per_volt)
+            estimated = _errors(before, results, float(grounded.loads[0] * system.per_volt))
             errors = {name: max(size, errors.get(name, 0.0) / _FALL) for name, size in estimated.items()}
             before = results
             is_fine = count >= least and (count >= _REFINED or (errors and max(errors.values()) <= error))
@@ -465,19 +467,16 @@ def _on(grid: Grid, values: Field) -> Field:
     return part
 
 
-def _errors(coarse: dict[str, float], fine: dict[str, float], least_charge: float) -> dict[str, float]:
-    """Relative errors on the finer of two grids, from their differences.
+def _errors(coarse: dict[str, float], fine: dict[str, float], coupled: float) -> dict[str, float]:
+    """Relative errors on the finer of two grids, from their differences; ``coupled``: charge of a coupled body [C].
 
-    Where the charge at zero voltage is below a least one, as near a cut without charge, those of charge and voltage are
-    relative to the least one.
+    Where the charge at zero voltage is below a least one, as near a cut without charge, those of charge, stroke and
+    voltage are relative to the least one.
     """
-    tiny = np.finfo(float).tiny
-    errors = {
-        name: float(abs(value - coarse[name]) / _SHARE_LEFT[name] / max(abs(value), tiny))
-        for name, value in fine.items()
-        if name in coarse
-    }
-    electric = min(abs(fine.get("charge", np.inf)) / least_charge, 1.0)
-    return {
-        name: size * (electric if name in ("charge", "voltage", "stroke") else 1.0) for name, size in errors.items()
-    }
+    tiny, charge = np.finfo(float).tiny, abs(fine.get("charge", np.inf))
+    errors = {}
+    for name in fine.keys() & coarse.keys():
+        size = float(abs(fine[name] - coarse[name]) / _SHARE_LEFT[name] / max(abs(fine[name]), tiny))
+        share = charge / (_LEAST_COUPLED[name] * coupled) if name in _LEAST_COUPLED else 1.0
+        errors[name] = size * min(share, 1.0)
+    return errors
