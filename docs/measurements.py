@@ -33,7 +33,8 @@ def _cells(row: Row) -> list[str]:
     off = ["–" if quantity["off"] is None else _short(quantity["off"]) for quantity in row["model"]]
     link = " because " if row["verdict"] == "cannot be told" else ": "
     verdict = f"{row['verdict']}{link}{row['because']}"
-    return [row["of"], f"{number(row['value'])}{error}{unit}", "; ".join(model) or "–", "; ".join(off) or "–", verdict]
+    value = number(row["value"]) if row["value"] else "–"
+    return [row["of"], f"{value}{error}{unit}", "; ".join(model) or "–", "; ".join(off) or "–", verdict]
 
 
 def _short(deviations: float) -> str:

@@ -122,7 +122,7 @@ AGREES_WITHIN = 2.0
 _SLIGHT = 0.01
 _SAME = 1e-6  # relative difference up to which a row without an error says the same as the model
 
-Word = Literal["agrees", "disagrees", "cannot be told"]
+Word = Literal["agrees", "disagrees", "cannot be told", "predicted"]
 
 
 def compared(measurements: Mapping[str, Measurement]) -> list[Row]:
@@ -207,12 +207,12 @@ def _numbers(values: Any) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 _SI = {"pC/N": "C N-1", "pm/V": "m V-1", "1": "1"}
 _SOURCE = "literature beside meecontact's exact solver"
 _MEANINGS = {
-    "measured": "measured value, in the unit of its row",
+    "measured": "measured value, in the unit of its row; NaN of a prediction",
     "measured_std": "its standard deviation; NaN where none is published",
     "model": "value of the model, in the unit of the row",
     "model_std": "largest difference that other published constants make",
     "deviations": "model less measured over the standard deviation of both",
-    "verdict": "agrees, disagrees, or cannot be told",
+    "verdict": "agrees, disagrees, cannot be told, or predicted",
     "unit": "unit of the row",
 }
 
@@ -230,8 +230,8 @@ class Verdict:
 
 
 def deviation(row: Measurement, value: Spread) -> float | None:
-    """Model less measured over the standard deviation of both; None where no error is published."""
-    if row.error is None:
+    """Model less measured over the standard deviation of both; None where no value or no error is published."""
+    if row.value is None or row.error is None:
         return None
     scale = UNITS[row.unit]
     return (value.value / scale - row.value) / hypot(row.error, value.deviation / scale)
@@ -247,11 +247,13 @@ def judged(row: Measurement, model: Sequence[Spread], rivals: Sequence[Spread] =
 def _said(
     row: Measurement, deviations: Sequence[float | None], others: Sequence[float | None], model: Sequence[Spread]
 ) -> tuple[Word, str]:
+    if row.value is None:
+        return "predicted", "no measurement is known"
     if row.open:
         return "cannot be told", row.open
     (off,) = deviations
     if off is None:
-        return _without_error(row, model[0])
+        return _without_error(row, model[0].value / UNITS[row.unit] / row.value)
     if abs(off) > AGREES_WITHIN:
         return "disagrees", _off(off) + (f": {row.outside}" if row.outside else "")
     return "agrees", _off(off) + _ruled_out(row, others)
@@ -262,8 +264,7 @@ def _off(deviations: float) -> str:
     return f"the model is {number(size, 2) if size >= _SLIGHT else f'less than {_SLIGHT}'} standard deviations off"
 
 
-def _without_error(row: Measurement, value: Spread) -> tuple[Word, str]:
-    ratio = value.value / UNITS[row.unit] / row.value
+def _without_error(row: Measurement, ratio: float) -> tuple[Word, str]:
     if abs(ratio - 1) <= _SAME:
         return "agrees", "the statement has no error, and the model says exactly the same"
     if row.outside:

@@ -191,4 +191,4 @@ def measurements(rows: Sequence[Row]) -> str:
         f"{count['disagrees']} disagree",
         f"{count['cannot be told']} cannot be told",
     )
-    return f"Of {len(rows)} published values, without any constant fitted: {listed(counts)}."
+    return f"Of {len(rows) - count['predicted']} published values, without any constant fitted: {listed(counts)}."

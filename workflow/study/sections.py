@@ -485,7 +485,7 @@ class Measurement(Strict):
 
     of: str = Field(min_length=1, max_length=200, description="what was measured on what")
     short: str = Field("", max_length=40, description="the same in some words, beside its row of the figure")
-    value: Number = Field(gt=0, description="measured value, in its unit")
+    value: Number | None = Field(gt=0, description="measured value, in its unit; null: the row is a prediction")
     error: Number | None = Field(None, gt=0, description="standard deviation of it; null: none is published")
     error_is: str = Field("as published", description="where the error comes from")
     unit: Literal["pC/N", "pm/V", "1"] = Field(description="unit of value and error")

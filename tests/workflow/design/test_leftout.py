@@ -370,14 +370,14 @@ def test_punches_in_space_have_the_figures_of_their_shapes() -> None:
     # 4 pi sigma R/a^2 with half of the width; 7.8 g/cm3 of pi 1 cm^2 0.2 cm
     assert roller["roughness"].left_out_share == pytest.approx(4 * np.pi * 1e-8 * 0.01 / 1e-8, rel=1e-4)
     assert roller["mass of the punch"].left_out_size == pytest.approx(7.8e-3 * np.pi * 0.2 * 9.81, rel=1e-4)
-    assert "adhesion" not in roller
+    assert roller["adhesion"].left_out_words == "Adhesion is not figured for the profile roller."
     ball = {"radius": 0.01, "force": 1.0, "punch": "steel", "longest_wavelength": 1e-4, "roughness": 1e-8}
     rough = effects({"profile": "rough_sphere", **ball}, solved)
     assert rough["roughness"].left_out_words == "Roughness is solved."
     assert rough["mass of the punch"].left_out_size == pytest.approx(7.8e-3 * 4 / 3 * np.pi * 9.81, rel=1e-4)
     film = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "profile": "roller", "length": 2e-3}
     bending = effects({**film, "radius": 0.01, "force": 1.0, "punch": "steel"}, solved)["bending of the base"]
-    assert bending.left_out_words == "Bending of the base is not figured for this punch."
+    assert bending.left_out_words == "Bending of the base is not figured for the profile roller."
 
 
 def test_signals_are_judged_at_the_smallest_force_and_stresses_at_the_largest() -> None:
@@ -424,6 +424,9 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     assert not {"heat", "bending of the base", "spark beside the contact"} & {*without_charge}
     assert without_charge["roughness"].left_out_words.endswith("rms double it.")
     assert "amplifier" not in half_space
+    wedge = effects({"material": "PZT-4", "profile": "wedge", "slope": 0.01, "load": 1e3})
+    for name in ("tilt", "roughness", "mass of the punch"):
+        assert wedge[name].left_out_words.endswith(" is not figured for the profile wedge.")
 
 
 @pytest.mark.parametrize(

@@ -261,6 +261,11 @@ def _unknown(case: SolvedCase, name: str, moves: str, units: str, brief: str) ->
     return _effect(case, name, moves, np.nan, np.nan, units, np.nan, brief, "")
 
 
+def _not_figured(case: SolvedCase, name: str, moves: str, units: str) -> LeftOut:
+    """An effect that has no formula for the profile of the punch."""
+    return _unknown(case, name, moves, units, f"{name} is not figured for the profile {case.profile}")
+
+
 def _times(share: float) -> str:
     return f"{number(share, 2)} times" if share >= 1 else f"{number(100 * share, 2)} % of"
 
@@ -372,7 +377,7 @@ def _bending(case: SolvedCase) -> Iterator[LeftOut]:
     if stack is None or isinstance(stack.base, str) or not np.isfinite(case.charge):
         return
     if case.kind.space and case.profile not in ("sphere", "rough_sphere"):
-        yield _unknown(case, "bending of the base", "", "m", "bending of the base is not figured for this punch")
+        yield _not_figured(case, "bending of the base", "", "m")
         return
     base = stack.base
     poisson = float(base.c12 / (base.c11 + base.c12))
@@ -404,6 +409,7 @@ def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
     on a grid gives 1.45 for 1.45, 2.42 for 2.50, 3.70 for 3.99 and 5.8 for 6.5 under a ball.
     """
     if not case.radius:
+        yield _not_figured(case, "roughness", "stress", "m")
         return
     if case.profile == "rough_sphere":
         yield _unknown(case, "roughness", "stress", "m", "roughness is solved")
@@ -431,7 +437,10 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
     """
     if case.profile == "roller":
         yield _unknown(case, "tilt", "stress", "rad", "tilt and ends of the roller are solved")
-    if case.point or not case.radius:
+    if case.point:
+        return
+    if not case.radius:
+        yield _not_figured(case, "tilt", "stress", "rad")
         return
     n, m = _powers(case) if case.kind.layered else (1.0, 0.5)
     falls = TILT * case.length * case.radius / case.half**2 * 2
@@ -475,6 +484,8 @@ def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
     under the load that adhesion adds; a half-space's does not change.
     """
     if case.profile != "sphere":
+        if case.point:
+            yield _not_figured(case, "adhesion", "signal" if case.kind.layered else "", "N")
         return
     assert case.radius is not None
     modulus = 3 * case.force * case.radius / (4 * case.half**3)  # by Hertz
@@ -523,7 +534,10 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
     A weight of more than a tenth of the force presses too.
     """
     which = str(case.factors.get("punch") or RIGID_PUNCH)
-    if not case.radius or which == "skin":  # which a hand holds
+    if which == "skin":  # which a hand holds
+        return
+    if not case.radius:
+        yield _not_figured(case, "mass of the punch", "signal, stress", "N")
         return
     known = punches().get(which)
     density, body = (known.density, which.replace("_", " ")) if known else (DENSITY, "steel")

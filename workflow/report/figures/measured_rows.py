@@ -24,7 +24,8 @@ _BY_RATIO = 20  # largest over least value from which an axis is logarithmic
 
 @styled
 def figure(rows: Sequence[dict[str, Any]]) -> Figure:
-    """Measured values, the model's and those of rivals, each over the measured value of its row."""
+    """Measured values, the model's and those of rivals, each over the measured value of its row; no predictions."""
+    rows = [row for row in rows if row["value"]]
     drawing, ax = plt.subplots(figsize=(9.5, 1.1 + _ROW * len(rows)))
     for place, row in enumerate(rows):
         _row(ax, place, row)
