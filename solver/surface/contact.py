@@ -68,6 +68,7 @@ class SurfaceContact:
     fixed_capacitance: float  # d charge/d voltage at a fixed contact [F]
     charge_per_force: float  # At zero voltage, under the same force or depth [C/N]
     errors: dict[str, float] = field(default_factory=dict)  # Relative, estimated from two grids
+    reaches_end: bool = False  # Whether a sharp end of the punch limits it, where the pressure is infinite
     permittivity: float | None = None  # Of the air beside the contact [F/m]
     uncharged: "SurfaceContact | None" = None  # Of the same force, without charge
 
@@ -241,7 +242,8 @@ class _Problem:
             tangent, fixed = tangents[name]
             if derivatives:
                 tangent = _with_secant(tangent, coarse[name], coarse_grounded, _ACCURACY * error)
-            contacts[name] = _contact(linear, grounded, tangent, fixed, errors)
+            contact = _contact(linear, grounded, tangent, fixed, errors)
+            contacts[name] = replace(contact, reaches_end=self._reaches_end(grid, state))
         return replace(contacts["main"], uncharged=contacts.get("uncharged"))
 
     def _least_cells(self, window: _Window) -> int:

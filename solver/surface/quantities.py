@@ -1,7 +1,8 @@
 """Quantities of contacts in space by their names; meanings are those of points.
 
 As at a point, ``voltage`` and what is per volt belong to the contact under its charge, ``voltage_per_force`` to the
-contact without charge and ``charge_per_force`` to that at zero voltage.
+contact without charge and ``charge_per_force`` to that at zero voltage. A contact that a sharp end of the punch limits
+has no ``peak_pressure``, which is infinite there.
 """
 
 from solver.surface.contact import SurfaceContact
@@ -17,7 +18,6 @@ def quantities(charged: SurfaceContact) -> dict[str, float]:
         "contact_area": charged.area,
         "contact_length_x": lengths[0],
         "contact_length_y": lengths[1],
-        "peak_pressure": charged.peak_pressure,
         "depth": charged.depth,
         "voltage": charged.voltage,
         "charge": charged.charge,
@@ -36,6 +36,8 @@ def quantities(charged: SurfaceContact) -> dict[str, float]:
         "charge_per_force": charged.charge_per_force,
         "relative_error": charged.error,
     }
+    if not charged.reaches_end:
+        out["peak_pressure"] = charged.peak_pressure
     if uncharged is not None:
         out["voltage_per_force"] = float(_port(uncharged).potential_per_force(1))
     return out

@@ -239,3 +239,21 @@ def test_rough_spheres_have_their_roughness_on_every_grid_and_another_surface_ea
     # an area of 20 longest wavelengths a side holds some 400 hills, whose mean square scatters by 2/sqrt(400)
     np.testing.assert_allclose(deviations, 10e-9, rtol=0.1)
     assert np.std(lowest) > 0.3
+
+
+def test_a_contact_at_a_sharp_end_has_no_largest_pressure() -> None:
+    """As for points, what is infinite is no quantity: on a grid it would grow with the number of cells."""
+    roller = {
+        "material": "PZT-4",
+        "profile": "roller",
+        "radius": 0.02,
+        "length": 5e-3,
+        "force": 25.0,
+        "grid_error": 0.03,
+    }
+    film = {"thickness": 1e-4, "base": "steel", "punch": "steel", "tilt": 1e-4}
+    crowned, at_end = (solver.solve(roller | film | {"crown_radius": crown}) for crown in (3.0, 8.0))
+    assert "peak_pressure" in crowned
+    assert "peak_pressure" not in at_end
+    assert "charge_per_force" in at_end
+    assert float(crowned["contact_length_y"]) / 2 + 3.0 * 1e-4 < 2.5e-3

@@ -43,6 +43,7 @@ BIAS = 1e-12  # A: of a usual FET input
 PAD = 1e-3  # m: diameter or width of a pad that is read
 SUPPORT = 10e-3  # m from the force to the supports of a base
 WARMER, HOLD = 1.0, 1.0  # K and s: what touches is warmer by so much, for so long
+_SOFT = 1e9  # Pa, Young's modulus of a punch below which its own depth is no small part
 DENSITY = 7800.0  # kg/m3 of steel: of a rigid punch, and of one without a name
 GRAVITY = 9.81  # m/s2
 ATOMS = 0.3e-9  # m: distance over which surfaces attract each other
@@ -291,7 +292,9 @@ def _strain(case: SolvedCase) -> Iterator[LeftOut]:
         yield _effect(case, "small strain", "signal, stress", ratio, WIDE, "1", ratio**2, brief, detail)
     if "thickness" in case.factors and "depth" in case.solved and case.kind.datum == "absolute":
         ratio = abs(case.solved["depth"]) / float(case.factors["thickness"])
-        brief = f"the depth is {number(ratio, 2)} of the film's thickness"
+        punch = punches().get(str(case.factors.get("punch") or RIGID_PUNCH))
+        included = ", that of the punch included," if punch and punch.modulus < _SOFT else ""
+        brief = f"the depth{included} is {number(ratio, 2)} of the film's thickness"
         detail = f"; strains are small up to {DEEP:g} of it"
         yield _effect(case, "strain of the film", "signal, stress", ratio, DEEP, "1", ratio, brief, detail)
 
