@@ -2,7 +2,7 @@
 
 import argparse
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,8 @@ from solver.material import datasheet
 from solver.material.constants import TRIGONAL, UNITS
 from solver.material.cuts import rotation
 from solver.material.datasheet import strain_charge, stress_matrices
+from solver.material.evidence import Sourced
+from solver.material.punches import punches
 from solver.names import COMPOSITES, FACTORS, LIMITS, THERMAL
 from solver.units import VACUUM_PERMITTIVITY
 from workflow.cli.words import printable
@@ -48,6 +50,7 @@ def listed() -> str:
     )
     mixed = ", ".join(f"{name} ({fraction})" for name, fraction in COMPOSITES.items())
     lines.append(_filled("composites, and the factor each takes:", mixed))
+    lines.append(_filled("punches, also as meecontact material NAME:", ", ".join(punches())))
     lines.append("own materials: meecontact material FILE.yaml")
     return "\n".join(lines)
 
@@ -70,8 +73,34 @@ def _coupling(material: Material) -> str:
 
 
 def described(name: str) -> str:
-    """Constants, alternatives, limits, Stroh roots and compliance of a built-in material, or of a material's file."""
+    """Constants, alternatives, limits, Stroh roots and compliance of a built-in material, or of a material's file.
+
+    A punch has its modulus, Poisson's ratio, density and constants for heat.
+    """
     path = Path(name)
+    if name in punches() and not path.exists():
+        return "\n".join([*([_of_material(name, path)] if name in materials() else []), *_of_punch(name)])
+    return _of_material(name, path)
+
+
+def _of_punch(name: str) -> list[str]:
+    punch = punches()[name]
+    stiffness = f"modulus {shown(punch.modulus, 'Pa', _DIGITS)}, Poisson's ratio {punch.poisson:g}"
+    return [
+        _filled(f"{name} as a punch:", punch.source),
+        f"  {stiffness}, density {punch.density:g} kg/m3, {'conducts' if punch.conducts else 'does not conduct'}",
+        *_for_heat(punch.thermal),
+    ]
+
+
+def _for_heat(thermal: Mapping[str, Sourced]) -> list[str]:
+    return ["for heat"] * bool(thermal) + [
+        _filled(f"  {name:16s}  {shown(known.value, THERMAL[name].units, _DIGITS):11s}", known.source)
+        for name, known in thermal.items()
+    ]
+
+
+def _of_material(name: str, path: Path) -> str:
     if name in COMPOSITES and not path.exists():
         raise InputError(
             f"material: {name!r} is a composition, not one material: a case says composite={name} and "
@@ -106,9 +135,7 @@ def _described(material: Material, half: HalfPlane | None) -> str:
     lines += ["limits"] if material.limits else []
     for name, limit in material.limits.items():
         lines.append(_filled(f"  {name:16s}  {shown(limit.value, LIMITS[name].units, _DIGITS):11s}", limit.source))
-    lines += ["for heat"] if material.thermal else []
-    for name, known in material.thermal.items():
-        lines.append(_filled(f"  {name:16s}  {shown(known.value, THERMAL[name].units, _DIGITS):11s}", known.source))
+    lines += _for_heat(material.thermal)
     if half is None:
         lines.append(f"surface x, y, normal in the crystal's axes ({material.cut or 'Z'})")
         return "\n".join(

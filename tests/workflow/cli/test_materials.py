@@ -11,9 +11,11 @@ import pytest
 import solver
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
+from solver.material.punches import punches
 from solver.units import in_si
 from tests.workflow.cli.test_main import complaint
 from workflow.cli import main
+from workflow.language.numbers import shown
 from workflow.run.provenance import ROOT
 from workflow.study.reading import read_material
 
@@ -144,3 +146,12 @@ LOWERED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 #: Slopes over tractions: [1/Pa], [V/m / Pa], [A/m / Pa], ...
 UNITS_OF_N = [["Pa-1", "V/Pa/m", "A/Pa/m"], ["m2 C-1", "V m C-1", "A m C-1"], ["A m N-1", "A m C-1", "A m-1 T-1"],
               ["Pa-1", "V m N-1", "A m N-1"]]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["skin", "steel"])
+def test_a_punch_has_its_constants_for_heat(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main.main(["material", name]) == 0
+    punch = capsys.readouterr().out.split(f"{name} as a punch: ")[1]
+    for constant, units in (("conductivity", "W m-1 K-1"), ("heat_capacity", "J m-3 K-1")):
+        value = shown(punches()[name].thermal[constant].value, units, 6)
+        assert re.search(rf"  {constant} +{re.escape(value)} +\S", punch), constant
