@@ -15,7 +15,7 @@ fixed: {surroundings: insulated, composite: fibrous, volume_fraction: 0.55, radi
 categories: {base: [rigid, steel]}
 factors:
   friction: {low: 0.0, high: 0.2, levels: 3}
-  thickness: {low: 2e-4, high: 3e-4, levels: 3, scale: log}
+  thickness: {low: 2e-4, high: 3e-4, levels: 5, scale: log}
 surrogate: {outputs: [voltage, voltage_per_load, trailing_tension]}
 validation: {cases: 20, calibration: 40, tolerance: 1e-3}
 design:

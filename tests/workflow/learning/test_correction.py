@@ -98,7 +98,7 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
     study, model = film
     known = uncertainty.uncertain(study, {"steel modulus": None, "steel poisson": None})
     z = np.array([-1.8, 0.5])
-    X, exact = truth(study, model, known, z, 40, 3)
+    X, exact = truth(study, model, known, z, 60, 3)
     steel = [model.outputs_.index(f"{name}[steel]") for name in ("depth", "contact_trailing")]
     messages: list[str] = []
     corrected, summary = correction.learn(

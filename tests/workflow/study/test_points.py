@@ -145,7 +145,7 @@ def test_the_surrogate_of_a_probe_is_right_to_1e_5_of_the_range_within_its_box()
     surrogate = whole.surrogate.model_copy(update={"outputs": ["peak_pressure", "depth"]})
     probe = whole.model_copy(update={"surrogate": surrogate})
     model = fitted(probe)
-    shares, boxes = np.random.default_rng(5).uniform(size=(4, 20)), probe.factors.items()
+    shares, boxes = np.random.default_rng(5).uniform(size=(4, 60)), probe.factors.items()
     points = {
         name: xr.DataArray(Input(name, axis.low, axis.high, axis.scale).from_unit(2 * share - 1), dims="case")
         for (name, axis), share in zip(boxes, shares, strict=True)
