@@ -41,7 +41,7 @@ FEW: dict[str, tuple[ModuleType, dict[str, tuple[object, ...]]]] = {
     "film_air": (film_air, {"CASES": ("PZT-4 on steel, air",)}),
     "film_elements": (film_elements, {"CASES": (HALF_PLANE, "BaTiO3 on CoFe2O4 on a rigid base")}),
     "integral_equations": (integral_equations, {"PUNCHES": ("cylinder", "tilted flat")}),
-    "points": (points, {"_BASES": ("rigid",), "SLIDING": ("half-space", "half-space in air")}),
+    "points": (points, {"_BASES": ("rigid",), "SLIDING": ("half-space",)}),
 }  # fmt: skip
 
 

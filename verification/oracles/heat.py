@@ -182,7 +182,8 @@ def _links(first: Indices, second: Indices, conductance: Array, size: int) -> cs
 
 def _advanced(matrix: csc_array, mass: Array, source: Array, values: Array, step: float, count: int) -> Array:
     """Temperatures after some steps."""
-    solve = splu(csc_array(matrix * (_ALEXANDER * step) + diags_array(mass))).solve
+    implicit = csc_array(matrix * (_ALEXANDER * step) + diags_array(mass))  # symmetric and dominant: no pivots
+    solve = splu(implicit, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}).solve
     for _ in range(count):
         first = solve(source - matrix @ values)
         second = solve(source - matrix @ (values + (1 - _ALEXANDER) * step * first))

@@ -22,8 +22,8 @@ title: A film
 fixed: {surroundings: insulated, composite: fibrous, radius: 0.05, friction: 0.1, load: 3e4}
 categories: {base: [rigid, steel]}
 factors:
-  volume_fraction: {low: 0.5, high: 0.6, levels: 3}
-  thickness: {low: 2e-4, high: 3e-4, levels: 4, scale: log}
+  volume_fraction: {low: 0.5, high: 0.6, levels: 2}
+  thickness: {low: 2e-4, high: 3e-4, levels: 2, scale: log}
 surrogate: {outputs: [contact_trailing, contact_leading, pressure_exponent, peak_pressure, voltage, depth]}
 validation: {cases: 40, calibration: 60, tolerance: 1e-3}
 """

@@ -24,7 +24,7 @@ body:
   - {material: copper, thickness: copper_thickness}
 factors:
   load: {low: 2e4, high: 4e4, levels: 5, scale: log}
-  copper_thickness: {low: 4e-5, high: 6e-5, levels: 3}
+  copper_thickness: {low: 4e-5, high: 6e-5, levels: 2}
   volume_fraction: {low: 0.48, high: 0.52, levels: 2}
 dataset: {slabs: 1, positions: {inside: 3, outside: 2}}
 surrogate: {outputs: [voltage, voltage_per_load, trailing_tension, depth]}
@@ -60,9 +60,9 @@ def stack(copper: float, fraction: float, base: str) -> solver.Stack:
 
 def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Path) -> None:
     whole = read_whole(slab)
-    assert dict(whole.sizes) == {"copper_thickness": 3, "volume_fraction": 2, "load": 5, "base": 2, "position": 5}
+    assert dict(whole.sizes) == {"copper_thickness": 2, "volume_fraction": 2, "load": 5, "base": 2, "position": 5}
     assert whole["copper_thickness"].attrs["units"] == "m"
-    for place in ((0, 1, 4, 0), (2, 0, 1, 1)):
+    for place in ((0, 1, 4, 0), (1, 0, 1, 1)):
         stored = whole.isel(dict(zip(("copper_thickness", "volume_fraction", "load", "base"), place, strict=True)))
         body = stack(stored["copper_thickness"].item(), stored["volume_fraction"].item(), stored["base"].item())
         case = {
