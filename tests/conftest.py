@@ -7,6 +7,7 @@ would do this by marks, but pytest-xdist 3.8 loses them under pytest 9.2.
 import functools
 import os
 import re
+import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -98,7 +99,10 @@ def _figures_are_closed() -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def quickstart_run(copy: Copy) -> Project:
-    """Folder in which the quickstart has run to its report; no test may change it."""
+    """Folder in which the quickstart has run to its report, or what `make run` left of it; no test may change it."""
     project = copy("quickstart")
+    for part in ("results/quickstart", ".snakemake/metadata"):
+        if (ROOT / part).is_dir():
+            shutil.copytree(ROOT / part, project.folder / part, symlinks=True)
     project.run("meecontact", "run", "quickstart", "--cores", "2")
     return project
