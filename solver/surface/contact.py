@@ -477,7 +477,7 @@ def _errors(coarse: dict[str, float], fine: dict[str, float], coupled: float) ->
     """
     tiny, charge = np.finfo(float).tiny, abs(fine.get("charge", np.inf))
     errors = {}
-    for name in fine.keys() & coarse.keys():
+    for name in (name for name in fine if name in coarse):
         size = float(abs(fine[name] - coarse[name]) / _SHARE_LEFT[name] / max(abs(fine[name]), tiny))
         share = charge / (_LEAST_COUPLED[name] * coupled) if name in _LEAST_COUPLED else 1.0
         errors[name] = size * min(share, 1.0)
