@@ -117,7 +117,7 @@ def exact(
     factors_of_groups = representatives.factors(study, {name: axes[name] for name in over}) if over else {}
     other_axes = {name: values for name, values in axes.items() if name not in over}
     other_axes |= {name: names for name, names in study.categories.items() if name not in axes}
-    factors = {**study.fixed, **factors_of_groups, **other_axes}
+    factors = {**study.fixed_of_cases, **factors_of_groups, **other_axes}
 
     searched = study.searched if peaks is None else peaks
 

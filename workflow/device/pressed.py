@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from approximation.arrays import Array
 from solver import Material, Stack, solve
 from solver.face.cases import Cases
 from solver.face.factors import checked
@@ -16,19 +15,14 @@ from solver.heat.charge import HeatError
 from solver.names import BODY, FACTORS, OF_HEAT
 from solver.stack.electrodes import Electrode
 from workflow.device.circuit import Circuit
-from workflow.device.contact import ContactCurves, film, response
+from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, Figures, History, read
 from workflow.device.warmth import Warmth
 from workflow.language.constants import DEVICE
-from workflow.study import layered, uncertainty
+from workflow.study import layered
 from workflow.study.model import Study
-from workflow.study.reading import InputError
 from workflow.study.sections import Pressing
 
-#: Dimension of the corners of the tolerances; the contact as it is given comes first.
-CORNERS = "case"
-#: What stands before the names of quantities of a contact at the force that is held.
-HELD = "held_"
 _PARTS = 40  # into which each part of the history is divided
 
 
@@ -106,50 +100,6 @@ def _warmth(
 def _cold(case: Mapping[str, Any]) -> dict[str, Any]:
     """Factors on which the contact depends."""
     return {name: value for name, value in case.items() if name not in OF_HEAT}
-
-
-def held(study: Study, pressing: Pressing) -> xr.Dataset:
-    """Quantities of the contact while the force is held, at zero charge, (case,), with ``HELD`` before each name."""
-    rows = {
-        name: xr.DataArray([corner[name] for corner in pressing.corners], dims=CORNERS) for name in pressing.tolerance
-    }
-    case = {**_cold(study.fixed), **rows, study.kind.loads.force: pressing.force / length(study)}
-    solved = study.solved(solve, case)
-    values = solved.drop_vars(list(solved.coords)).rename({name: f"{HELD}{name}" for name in solved.data_vars})
-    return values if CORNERS in values.dims else values.expand_dims(CORNERS)
-
-
-def spread(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
-    """Relative standard deviations of charge and output by the materials' constants, to first order."""
-
-    def told(moved: Study) -> Array:
-        assert moved.device is not None
-        factors, body, material = _pressed(moved, pressing, case)
-        charge, capacitance = response(
-            factors,
-            np.array([pressing.force]),
-            length=length(moved),
-            materials=moved.own_materials,
-            solved=lambda cases: moved.solved(solve, cases),
-            body=body,
-        )
-        circuit = Circuit.of(moved.device.constants, material)
-        return np.concatenate([charge, charge / (capacitance + circuit.capacitance)])
-
-    try:
-        constants = uncertainty.uncertain(study)
-    except InputError:  # a material whose constants follow its composition
-        constants = []
-    whole = (
-        np.sqrt((uncertainty.sensitivities(study, constants, told) ** 2).sum(1)) if constants else np.full(2, np.nan)
-    )
-    said = "share by which the spread of the constants moves"
-    return xr.Dataset(
-        {
-            f"{name}_spread": ((), value, {"units": "1", "long_name": f"{said} the {name}"})
-            for name, value in zip(("charge", "output"), whole, strict=True)
-        }
-    )
 
 
 def length(study: Study) -> float:

@@ -1,6 +1,5 @@
 """First screen of the page: for each target a drawing to scale and the answer in sentences; cards of presses."""
 
-import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,24 +8,22 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from approximation.arrays import Array
 from solver import find
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ANGLED_CUTS, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
-from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.leftout import LeftOut, largest
+from workflow.design.verdict.leftout import LeftOut
 from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
-from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, Verdict, verdict, within
-from workflow.language import given, titles
+from workflow.design.wording.words import UNREACHABLE, Verdict, verdict
+from workflow.language import titles
 from workflow.language.factors import FACTORS
-from workflow.language.numbers import number, shown
+from workflow.language.numbers import number
 from workflow.language.titles import capital, listed
 from workflow.report import device, exact
 from workflow.report.svg import element
-from workflow.study import coupling, signal_case
+from workflow.study import coupling
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -286,72 +283,3 @@ def unbroken(text: str) -> str:
 def _share(part: float) -> str:
     """Share in percent; a very small one as "less than"."""
     return f"{number(100 * part, 2)} %" if part > _LITTLE else f"less than {number(100 * _LITTLE, 1)} %"
-
-
-@dataclass(frozen=True)
-class Card:
-    """Card of a contact that is solved as it is, not searched."""
-
-    title: str
-    on: str  # the contact within a sentence
-    build: str
-    does: str
-    stops: str
-    doubt: str  # constants that the library marks as doubtful
-    verdict: str
-    good: bool  # no limit of materials and theory is exceeded within the tolerances
-    left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
-    drawing: Markup  # to scale
-
-
-def card(
-    study: Study, signal: Mapping[str, float], held: Mapping[str, Array], left_out: tuple[LeftOut, ...] = ()
-) -> Card:
-    """Return the card of the contact that the study's section ``signal`` names; `held` is (case,), nominal first."""
-    assert study.signal is not None
-    signal_study, pressing = signal_case.of(study), study.signal
-    case = {**signal_study.fixed, signal_study.kind.loads.force: signal["force"]}
-    bands = [f"{titles.title(name)} ± {given.told(name, str(size))}" for name, size in pressing.tolerance.items()]
-    built = in_words(signal_study, case)
-    sizes = [
-        np.array([float(corner.get(name, case[name])) for corner in pressing.corners]) if name in case else None
-        for name in ("radius", "thickness")
-    ]
-    beyond = [*linearity.beyond(signal_study, held), *linearity.beyond_small_strain(signal_study, held, *sizes)]
-    nearest = linearity.nearest(signal_study, held)
-    reached = "within the tolerances the {} reaches {} % of the {}" if bands else "the {} is {} % of the {}"
-    share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
-    stops = [*(words for words, _ in beyond)] or [share] * bool(share)
-    usual = "within linear theory" if not bands or nearest is None else RECOMMENDED
-    moved = {"signal", "stress"}
-    stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
-    title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
-    charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["contact_output"]), "V", 3)
-    bands_of_both = [asides.band(signal[name]) for name in ("charge_spread", "output_spread")]
-    if bands_of_both[0] and bands_of_both[0] == bands_of_both[1]:  # said once
-        read = f"{charge} and {output} at the output, both{bands_of_both[0]}"
-    else:
-        read = f"{charge}{bands_of_both[0]} and {output}{bands_of_both[1]} at the output"
-    return Card(
-        title=title,
-        on=unbroken(f"the contact beside the designs ({built})"),
-        build=unbroken(f"{built} ({listed(bands)})" if bands else built),
-        does=unbroken(f"{shown(signal['force'], 'N', 3)} gives a charge of {read}{_fading(signal['time_constant'])}"),
-        stops=unbroken(f"{capital('; '.join(stops))}."),
-        doubt=doubted(signal_study),
-        verdict=within(left_out, moved, BEYOND if beyond else usual),
-        good=not (beyond or largest(left_out, moved)),
-        left_out=left_out,
-        drawing=element(
-            device.draw(of_case(signal_study, case, {name: float(values[0]) for name, values in held.items()}), built),
-            "device-beside",
-            f"{title}, drawn to scale: {built}",
-        ),
-    )
-
-
-def _fading(lasting: float) -> str:
-    """Decay of the output under a constant force, in words."""
-    if not math.isfinite(lasting):
-        return ", which does not decay"
-    return f"; under a constant force the output decays with a time constant of {shown(lasting, 's', 2)}"

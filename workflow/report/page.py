@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from surrogate import load
 from workflow.dataset import draws
 from workflow.dataset.slabs import CARD
 from workflow.design.verdict import leftout, netcdf
+from workflow.design.verdict.answer import Answer
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, listed, title, value
@@ -25,6 +26,7 @@ from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
 from workflow.study.model import Study
+from workflow.study.target import Target
 
 #: Factors that take a name, in words.
 _MEANINGS = {
@@ -63,9 +65,15 @@ AT_POINT = "A conducting ball is pressed into a body"
 
 
 def page(
-    study: Study, name: str, folder: Path, figures: list[Path], provenance: Path, levels: Sequence[str | Path] = ()
+    study: Study,
+    name: str,
+    folder: Path,
+    figures: list[Path],
+    provenance: Path,
+    levels: Sequence[str | Path] = (),
+    pressed: Study | None = None,
 ) -> str:
-    """The page as text."""
+    """The page as text; ``pressed``: the study whose design is pressed in time, where it is another one."""
     card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
     content: dict[str, Any] = {
@@ -97,7 +105,6 @@ def page(
         "whatif": None,
         "readouts": [],
         "signal": None,
-        "beside": None,
         "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
         "effects": list(study.effects.vary) if study.effects else [],
         "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
@@ -117,29 +124,27 @@ def page(
         content["validation"] = tables.validation(folder, study)
         content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in names]
-        answers = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
-        solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
+        answers, solved = _answers(folder, study.design)
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]
         content["designs"] = [tables.design(answer) | solution for answer, solution in zip(answers, exact, strict=True)]
-        content["answers"] = [
-            firstscreen.answered(study, *target, answer, solution["contact"], solution["around"], solution["on_datum"])
-            for target, answer, solution in zip(study.design.items(), answers, exact, strict=True)
-        ]
+        content["answers"] = _screens(study, study.design, answers, exact)
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
         content["whatif"] = whatif.content(study, load(folder / "surrogate.nc"), quantities, answers, hangs, fields)
         content["whatif_json"] = whatif.as_json(content["whatif"])
     if study.signal:
-        content["signal"] = pressed = tables.signal(folder)
-        content["beside"] = (
-            firstscreen.card(study, pressed, pressed["held"], pressed["left_out"]) if study.signal.case else None
-        )
+        content["signal"] = tables.signal(folder)
+        if pressed is not None:
+            label = study.signal.design
+            answers, solved = _answers(folder.parent / study.signal.study, [label])
+            first = _screens(pressed, {label: pressed.design[label]}, answers, [solved["designs"][label]])
+            content["answers"] = [*first, *content["answers"]]
     if study.effects:
         drawn = ranked.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
-    content["says"] = _says(study, folder, content)
+    content["says"] = _says(study, folder, content, pressed or study)
     content |= {"parts": sections.standing(content), "page": content}
     return _environment().get_template("report.html.j2").render(content)
 
@@ -171,7 +176,23 @@ def _environment() -> Environment:
     return environment
 
 
-def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, str]:
+def _answers(folder: Path, targets: Iterable[str]) -> tuple[list[Answer], dict[str, Any]]:
+    """Answers to targets of the study of a folder, and what was solved of them."""
+    solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
+    return [netcdf.read(folder / "design" / f"{target}.nc") for target in targets], solved
+
+
+def _screens(
+    study: Study, targets: Mapping[str, Target], answers: Sequence[Answer], exact: Sequence[Mapping[str, Any]]
+) -> list[firstscreen.Screen]:
+    """Cards of a study's targets."""
+    return [
+        firstscreen.answered(study, *target, answer, solution["contact"], solution["around"], solution["on_datum"])
+        for target, answer, solution in zip(targets.items(), answers, exact, strict=True)
+    ]
+
+
+def _says(study: Study, folder: Path, content: Mapping[str, Any], pressed: Study) -> dict[str, str]:
     """The sentence of every section that the page has."""
     says = {"provenance": sentences.provenance(content["provenance"]), "study": sentences.study(study)}
     if study.factors:
@@ -190,7 +211,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
     if study.signal:
-        on = f"the design {study.titles[study.signal.design]!r}" if study.signal.design else content["beside"].on
+        on = f"the design {pressed.titles[study.signal.design]!r}"
         says["signal"] = sentences.signal(content["signal"], on)
     if study.effects:
         says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))

@@ -13,10 +13,7 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
-from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.leftout import LeftOut
-from workflow.device.pressed import CORNERS, HELD
 from workflow.language import titles
 from workflow.report import sentences
 from workflow.report.verification import findings
@@ -199,16 +196,11 @@ def readout(name: str, path: Path) -> dict[str, Any]:
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 
-def signal(folder: Path) -> dict[str, Any]:
-    """Numbers of a press in time; ``held``: quantities of a contact of its own at the force that is held, (case,)."""
+def signal(folder: Path) -> dict[str, float]:
+    """Numbers of a press in time."""
     data = read_whole(folder / "signal.nc")
     numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
-    cornered = {str(name): values.values for name, values in data.data_vars.items() if CORNERS in values.dims}
-    return numbers | {
-        "held": {name.removeprefix(HELD): values for name, values in cornered.items()},
-        "left_out": tuple(netcdf.members(data, LeftOut)),
-        "force": float(data["force"].max()),
-    }
+    return numbers | {"force": float(data["force"].max())}
 
 
 def design(answer: Answer) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from workflow.design.wording import unreached
 from workflow.report import sections as page_sections
 from workflow.run import lock, provenance, sources
 from workflow.run.interpreter import quote_interpreter
-from workflow.study import configuration, coupling, location, partition, planned
+from workflow.study import configuration, consistency, coupling, location, partition, planned
 from workflow.study import model as studies
 from workflow.study.keys import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
@@ -73,12 +73,26 @@ def sections(*names):
     return lambda wildcards: planned.parameter(study_of(wildcards), *(name.format(**wildcards) for name in names))
 
 
+def pressed_named(study):
+    """The study whose design is pressed in time, where it is another one than this; None without one."""
+    if not (study.signal and study.signal.study):
+        return None
+    STUDIES.add(study.signal.study)
+    other = study_named(study.signal.study)
+    try:
+        consistency.check_pressed(other, study.signal.design)
+    except ValueError as error:
+        raise WorkflowError(f"{other.path}: {error}")
+    return other
+
+
 def states_of(name):
-    """The parameters of all rules of a study, by which jobs know the files that they read."""
+    """The parameters of all rules of a study, by which jobs know the files that they read, of another too."""
     study = study_named(name)
     labels = [*study.design, *study.readout, ""]
     filled = {tuple(part.format(name=label, group="") for part in names) for names in SECTIONS for label in labels}
-    return {planned.parameter(study, *names) for names in filled}
+    states = {planned.parameter(study, *names) for names in filled}
+    return states | states_of(study.signal.study) if pressed_named(study) else states
 
 
 def final_files_of(name):
@@ -93,9 +107,16 @@ def designs_of(wildcards):
 
 
 def pressed_of(wildcards):
-    """The answer whose punch is pressed in time; none where that is a contact of its own."""
-    name = study_of(wildcards).signal.design
-    return [f"results/{wildcards.study}/design/{name}.nc"] if name else []
+    """The answer whose punch is pressed in time."""
+    study = study_of(wildcards)
+    pressed_named(study)
+    return f"results/{study.signal.study or wildcards.study}/design/{study.signal.design}.nc"
+
+
+def opening_of(wildcards):
+    """What was solved of the design of another study that stands first on the page."""
+    study = study_of(wildcards)
+    return [f"results/{study.signal.study}/solved.json"] if pressed_named(study) else []
 
 
 def levels_of(wildcards):

@@ -51,7 +51,7 @@ rule readout:
         "../scripts/readout.py"
 
 
-# A press in time on a design, or on a contact beside them, as the amplifier reads it.
+# A press in time on a design, of this study or of another, as the amplifier reads it.
 rule press:
     input:
         pressed_of,

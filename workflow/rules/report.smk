@@ -99,6 +99,7 @@ rule report:
         lambda wildcards: [f"results/{wildcards.study}/solved.json"] if study_of(wildcards).factors else [],
         results=results_of,
         levels=levels_of,
+        opening=opening_of,
         designs=lambda wildcards: expand(
             "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
         ),

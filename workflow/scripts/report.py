@@ -13,5 +13,7 @@ name = snakemake.wildcards.study
 figures = [Path(figure) for figure in snakemake.input.figures]
 figures += [figure for folder in snakemake.input.folders for figure in sorted(Path(folder).glob("*.svg"))]
 config = levels.with_levels(config, snakemake.input.levels)
-page = report.page(config, name, output.parent, figures, Path(snakemake.input.provenance), snakemake.input.levels)
+pressed = planned.pressed(snakemake, config) if config.signal and config.signal.study else None
+provenance, levels_files = Path(snakemake.input.provenance), snakemake.input.levels
+page = report.page(config, name, output.parent, figures, provenance, levels_files, pressed)
 write_text(output, page)

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, EVERY_FILM_QUANTITY, HEAT_QUANTITIES, OF_A_FILM
 from workflow.language.constants import CONSTANTS
 from workflow.language.factors import FACTORS
-from workflow.study import signal_case
 from workflow.study.contents import Contents
 from workflow.study.reading import located
 from workflow.study.sections import Readout
@@ -38,20 +37,15 @@ def check_quantities(study: Contents) -> None:
         raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(study.categories)}")
     for label, target in study.design.items():
         check_target(study, f"design: {label}", target)
-    _check_signal(study)
+    if study.signal is not None and not study.signal.study:
+        check_pressed(study, study.signal.design)
+    elif study.signal is not None and study.signal.design in study.design:
+        raise ValueError(f"signal: design: {study.signal.design!r} is a name of this study's designs, too; rename one")
     for label, readout in study.readout.items():
         _check_readout(study, f"readout: {label}", readout)
 
 
-def _check_signal(study: Contents) -> None:
-    """Raise ValueError unless a press in time has a design or a case, an amplifier and a readable charge."""
-    if study.signal is not None and study.signal.case:
-        signal_case.check(study)
-    elif study.signal is not None:
-        _check_pressed(study, study.signal.design)
-
-
-def _check_pressed(study: Contents, design: str) -> None:
+def check_pressed(study: Contents, design: str) -> None:
     """Raise ValueError unless the punch of a design can be read."""
     if design not in study.design:
         known = ", ".join(study.design) or "none"

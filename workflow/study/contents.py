@@ -14,7 +14,7 @@ from solver import Material
 from solver.body import Kind, around, kind_of, solids
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, HEAT_QUANTITIES, OF_HEAT
 from workflow.language import titles
 from workflow.language.constants import ALLOWABLES, DEVICE, Meeting, meeting_of
 from workflow.language.factors import FACTORS
@@ -237,6 +237,13 @@ class Contents(Keys):
         return {
             name: f"{word} ({name.replace('_', ' ')})" if several[word] > 1 else word for name, word in words.items()
         }
+
+    @property
+    def fixed_of_cases(self) -> dict[str, float | str]:
+        """Fixed factors of the cases that are solved: without those of heat where the surrogate learns none of it."""
+        learned = self.surrogate.outputs
+        heated = not learned or not HEAT_QUANTITIES.keys().isdisjoint(learned)
+        return {name: value for name, value in self.fixed.items() if heated or name not in OF_HEAT}
 
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any

@@ -43,6 +43,17 @@ def study(job: "Snakemake") -> Study:
     raise InputError(f"{current.path}: was changed ({sections}) after this job was planned; run the study again")
 
 
+def pressed(job: "Snakemake", study: Study) -> Study:
+    """The study whose design is pressed in a study's section ``signal``: itself, or another as it was planned with."""
+    assert study.signal is not None
+    other = study.signal.study
+    if not other:
+        return study
+    return begun(other, lock.results(job.wildcards.study, Path(job.output[0]))) or partition.with_slabs(
+        studies.named(other)
+    )
+
+
 def begun(name: str, results: str | Path) -> Study | None:
     """The study as it was when its run began; None where there is no run."""
     frozen = lock.begun(name, results)

@@ -1,6 +1,5 @@
 """The parts of a study: axes, data set, surrogate, effects, verification, read-outs, device, presses, measurements."""
 
-from itertools import product
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
@@ -400,54 +399,15 @@ def _read(name: str, units: str) -> BeforeValidator:
 
 
 class Pressing(Strict):
-    """A punch, of a design or a separate one, is pressed, held and let go; numbers in SI or with a unit."""
+    """The punch of a design is pressed, held and let go; numbers in SI or with a unit."""
 
-    title: str = Field("", max_length=200, description="above its card, of a contact of its own; made if empty")
-    design: str = Field("", description="the design target whose punch it is; empty: case")
-    case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
-        default_factory=dict, description="all factors but the force, of a contact of its own in place of a design's"
-    )
-    tolerance: dict[InputName, Number | str] = Field(
-        default_factory=dict,
-        description="how far a factor of that case may be off as built: '5 %' of it, '10 um', or SI",
-    )
-    device: Device | None = Field(None, description="what reads that contact; null: the study's")
+    study: str = Field("", description="name of the study whose design it is, which stands first; empty: this study")
+    design: str = Field(description="the design target whose punch it is")
     force: Annotated[Number, _read("force", "N")] = Field(description="that is held [N]")
     press: Annotated[Number, _read("press", "s")] = Field(
         0.1, description="how long pressing takes, and letting go [s]"
     )
     hold: Annotated[Number, _read("hold", "s")] = Field(10.0, description="how long the force is held [s]")
-
-    @model_validator(mode="after")
-    def _of_one(self) -> Self:
-        if bool(self.design) == bool(self.case):
-            raise ValueError("design: is given beside a case" if self.design else "design: missing; or give a case")
-        if self.design and (self.device or self.title or self.tolerance):
-            raise ValueError("case: missing; a design has the study's device, its own title and its own tolerance")
-        for name, (absolute, share) in self.tolerances.items():
-            if not isinstance(self.case.get(name), float):
-                raise ValueError(f"tolerance: {name}: is not a number of case")
-            if not 0 < absolute + share * abs(float(self.case[name])) < abs(float(self.case[name])):
-                raise ValueError(f"tolerance: {name}: {self.tolerance[name]}: must be above 0 and below 100 %")
-        return self
-
-    @property
-    def tolerances(self) -> dict[str, tuple[float, float]]:
-        """Absolute part and share of every tolerance."""
-        return {
-            name: size(name, tolerance) if isinstance(tolerance, str) else (float(tolerance), 0.0)
-            for name, tolerance in self.tolerance.items()
-        }
-
-    @property
-    def corners(self) -> list[dict[str, float]]:
-        """Factors with a tolerance: the case, then every corner of the tolerances."""
-        nominal = {name: float(self.case[name]) for name in self.tolerance}
-        ends = [
-            (nominal[name] * (1 - share) - absolute, nominal[name] * (1 + share) + absolute)
-            for name, (absolute, share) in self.tolerances.items()
-        ]
-        return [nominal, *(dict(zip(nominal, corner, strict=True)) for corner in product(*ends) if corner)]
 
 
 class ModelValue(Strict):

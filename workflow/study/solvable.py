@@ -77,7 +77,7 @@ def _check_cases(study: Contents) -> None:
 
 def _standing(study: Contents) -> dict[str, Weight]:
     """Weights of what does not vary and is not 0: similar cases must leave it alone; without the datum."""
-    fixed = {name: value for name, value in study.fixed.items() if not isinstance(value, str) and value}
+    fixed = {name: value for name, value in study.fixed_of_cases.items() if not isinstance(value, str) and value}
     layers = {
         f"{kind} {number}": weight_of(kind)
         for number, layer in enumerate(study.body)
@@ -150,7 +150,7 @@ def lacked(study: Contents) -> frozenset[str]:
     else:
         ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
         ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
-        solved = study.solved(solve, {**study.fixed, **study.categories, **ends})
+        solved = study.solved(solve, {**study.fixed_of_cases, **study.categories, **ends})
         if study.groups:
             _solve_stored(study, representatives.ends(study))
     _tell_time(study, process_time() - began)
@@ -168,7 +168,7 @@ def lacked(study: Contents) -> frozenset[str]:
 def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:
     """The answers at some stored cases of a study with groups, which may leave the box of its factors."""
     with located("groups: in a corner of their ranges"):
-        return study.solved(solve, {**study.fixed, **study.categories, **cases})
+        return study.solved(solve, {**study.fixed_of_cases, **study.categories, **cases})
 
 
 def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:

@@ -92,7 +92,7 @@ class Constant:
 
 def uncertain(study: Study, priors: Mapping[str, float | None] | None = None) -> list[Constant]:
     """The uncertain constants of a study, with their priors."""
-    has_heat = "touch_temperature" in {*study.fixed, *study.factors}
+    has_heat = "touch_temperature" in {*study.fixed_of_cases, *study.factors}
     constants = {name: _constants(name, find(name, study.own_materials), has_heat) for name in materials(study)}
     if not constants:
         raise InputError(f"{study.path}: no material whose constants could be uncertain")
