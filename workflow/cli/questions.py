@@ -32,7 +32,7 @@ from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
-from workflow.study.keys import Origin
+from workflow.study.contents import Origin
 from workflow.study.model import Study
 from workflow.study.reading import InputError, first_problem, located
 from workflow.study.target import Target

@@ -1,6 +1,7 @@
 """Tables solved in blocks: the bits of one pass, the first row at fault by its line, a bound on the answer."""
 
 import csv
+import io
 import re
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from storage.netcdf import read_whole, write_whole
 from workflow.cli import main
 from workflow.cli import solve as case_solver
 from workflow.cli.casetable import read_cases
+from workflow.cli.textfile import write_columns
 from workflow.language import grammar
 from workflow.language.wordings import plain
 from workflow.study.reading import InputError
@@ -108,8 +110,9 @@ def test_an_answer_too_large_for_the_memory_is_refused(tmp_path: Path, monkeypat
 
 
 def test_a_name_that_a_spreadsheet_would_calculate_stays_a_name() -> None:
-    frame = xr.Dataset(coords={"material": ("case", np.array(["=1+1"], dtype=object))})
-    assert case_solver._as_rows(frame, ["material"]) == "'=1+1\n"
+    file = io.BytesIO()
+    write_columns(file, {"material": np.array(["=1+1", None]), "load": np.array([-1.0, np.nan])})
+    assert file.getvalue() == b"material,load\n'=1+1,-1.0\n,\n"
     assert [plain(text) for text in ("=1+1", "+x", "-x", "@x")] == ["'=1+1", "'+x", "'-x", "'@x"]
     assert [plain(cell) for cell in ("a,b", -1.0)] == ["a,b", -1.0]
 

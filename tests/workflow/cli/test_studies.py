@@ -13,7 +13,7 @@ from solver.names import ALL_QUANTITIES
 from workflow.cli import studies
 from workflow.cli.main import main
 from workflow.cli.progress import Progress, busy, followed, step
-from workflow.run.sources import ROOT
+from workflow.run.provenance import ROOT
 from workflow.study.model import load
 from workflow.study.reading import InputError, read_yaml
 

@@ -14,8 +14,7 @@ from solver.names import ALL_QUANTITIES
 from workflow.report import sections as page
 from workflow.run.provenance import ROOT
 from workflow.study import coupling, datum, model, partition, solvable
-from workflow.study.contents import Contents
-from workflow.study.keys import Origin
+from workflow.study.contents import Contents, Origin
 from workflow.study.reading import InputError, read_material, read_yaml
 
 STUDIES = sorted(ROOT.glob("config/*.yaml"))
