@@ -138,13 +138,13 @@ class Contents(Strict):
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
         beside = AIR if AIR in self.surroundings else self.surroundings[0]
         named = {*self.factors, *self.categories, *factors, *([BODY] if self.body else [])}
-        own = [self.own_materials.get(str(name), name) for name in [*solids(factors), *self._named_solids]]
+        varied = [name for factor in ("material", "base") for name in self.categories.get(factor, [])]
+        own = [self.own_materials.get(str(name), name) for name in [*solids(factors), *varied]]
         return kind_of(named, profile, beside, [*own, self.body])
 
-    @property
-    def _named_solids(self) -> list[str]:
-        """Names of materials and bases over which the cases range."""
-        return [name for factor in ("material", "base") for name in self.categories.get(factor, [])]
+    def names(self, factor: str, default: str = "") -> list[str]:
+        """Names that a factor takes in the cases: its category's, or the one that is fixed, or its default."""
+        return self.categories.get(factor) or [str(self.fixed.get(factor, default))]
 
     @property
     def surroundings(self) -> list[str]:
@@ -153,8 +153,7 @@ class Contents(Strict):
             case = {**self.effects.baseline, **self.fixed}
             varied = self.effects.vary.get("surroundings", [case.get("surroundings", around(case))])
             return [str(name) for name in varied]
-        usual = self.fixed.get("surroundings", CHOICES["surroundings"][0])
-        return self.categories.get("surroundings", [str(usual)])
+        return self.names("surroundings", CHOICES["surroundings"][0])
 
     @property
     def distributions(self) -> dict[str, Distribution]:
@@ -188,9 +187,8 @@ class Contents(Strict):
     @property
     def elastic(self) -> bool:
         """Return True if a punch on a line deforms: its displacement then has its own datum."""
-        named = {str(self.fixed.get("punch", RIGID_PUNCH)), *self.categories.get("punch", [])}
         numbers = "punch_modulus" in {*self.fixed, *self.factors}
-        return self.kind.contact == "line" and (numbers or named != {RIGID_PUNCH})
+        return self.kind.contact == "line" and (numbers or self.names("punch", RIGID_PUNCH) != [RIGID_PUNCH])
 
     @property
     def tabled(self) -> list[str]:

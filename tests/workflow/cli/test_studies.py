@@ -95,7 +95,7 @@ def told(shown: Progress) -> list[bool]:
 def test_a_log_has_a_line_a_step_and_a_terminal_one_line_in_all() -> None:
     study = load("config/quickstart.yaml")
     for stream in (io.StringIO(), Terminal()):
-        shown = Progress(lambda rule, wildcards: step(study, rule, wildcards), stream)
+        shown = Progress(study, stream)
         assert told(shown) == [False] * 5 + [True] * 2
         fitting = "fitting the surrogate (21 quantities, 41,600 cases)"
         if stream.isatty():
