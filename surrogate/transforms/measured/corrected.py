@@ -1,7 +1,7 @@
 """A surrogate that measured rows have corrected: its constants moved, discrepancies added, both uncertain."""
 
 from collections.abc import Mapping, Sequence
-from typing import ClassVar, NoReturn, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -53,10 +53,6 @@ class CorrectedGP(Transformed):
     def _describe(self, inputs: tuple[Input, ...], outputs: Sequence[str], attrs: dict[str, dict[str, str]]) -> None:
         self.inputs_, self.outputs_, self.attrs_ = inputs, tuple(outputs), attrs
         self.calibration_ = None
-
-    def fit(self, X: xr.Dataset) -> NoReturn:
-        """Not given: `use.learning` makes what this model is constructed from."""
-        raise NotImplementedError("a corrected surrogate is made from measured rows, not from a data set")
 
     def _lay_out(self) -> None:
         if self.nominal_.inputs_ != self.inputs_ or self.nominal_.outputs_ != self.outputs_:
