@@ -28,7 +28,7 @@ SHOWING = [
 PUBLIC = [getattr(room, name) for room in (solver, surrogate) for name in room.__all__]
 STORED = {"state", "restore", "make_factor", "members"}  # for `save` and `load`
 TRAINED = {"blocks", "whole"}  # for the pipeline, which trains in pieces
-ROUNDED = {"allowed", "followed", "witnesses"}  # for `surrogate.use.export`
+ROUNDED = {"allowed", "followed", "witnesses", "described"}  # for `surrogate.use.export`
 #: Methods that models and transforms give each other: a sentence each, with the shapes.
 BETWEEN_MODELS = {
     "all_mean_std", "mean_std", "means", "calibrated_at", "variance", "physical_slopes", "unit_slopes", "physical",

@@ -55,7 +55,7 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
         groups = {name: array.values.tolist() for name, array in smooth.state().data_vars.items()}
         plain |= {"axes": _inputs(grid.inputs_), "groups": groups}
     if isinstance(model, CurveGP):
-        plain["curves"] = model.links.described() | {"witness": rows}
+        plain["curves"] = model.described() | {"witness": rows}
         sizes = np.hypot(grid.offset_, grid.scale_)
         for net, basis in zip(plain["curves"]["nets"], model.bases_, strict=True):
             net["whole"] = _fields(basis, sizes[net["scores"]])
