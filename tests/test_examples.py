@@ -148,7 +148,7 @@ def public_functions() -> Iterator[tuple[str, object]]:
                 yield name, thing
                 continue
             for base in thing.__mro__:
-                if base.__module__.partition(".")[0] in ("solver", "surrogate"):
+                if base.__module__.partition(".")[0] in ("solver", "surrogate") and name not in INNER:
                     for method, member in vars(base).items():
                         function = getattr(member, "__func__", member)
                         overridden = getattr(member, "__override__", False) or getattr(function, "__override__", False)

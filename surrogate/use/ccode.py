@@ -17,7 +17,7 @@ from surrogate.face.persistence import probe_points
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.intervals.guard import Guard, unguarded
 from surrogate.transforms.groupedgp import GroupedGP
-from surrogate.transforms.outputs import Scales
+from surrogate.transforms.groups import Scales
 from surrogate.use.rounding import Rounded
 
 TEMPLATES = Path(__file__).parent / "templates"

@@ -23,8 +23,7 @@ from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
 from surrogate.transforms.curves.landscape import Landscape
-from surrogate.transforms.groups import Grouping
-from surrogate.transforms.outputs import Scaling
+from surrogate.transforms.groups import Grouping, Scaling
 from surrogate.transforms.transformed import Transformed, groups_of
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
