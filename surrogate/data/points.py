@@ -62,16 +62,10 @@ class Points:
         }
         return xr.Dataset(variables, self.coords)
 
-    def labelled(self, values: NDArray[Any], attrs: Mapping[str, str]) -> xr.DataArray:
-        """Label one value a point.
-
-        values: (n,).
-        """
-        return xr.DataArray(values.reshape(self.shape), coords=self.coords, dims=self.dims, attrs=dict(attrs))
-
-    def flat(self, array: xr.DataArray, like: xr.DataArray) -> Array:
+    def flat(self, array: xr.DataArray) -> Array:
         """Broadcast an array to the points: (n,)."""
-        return np.asarray(array.broadcast_like(like).transpose(*like.dims).values, dtype=np.float64).ravel()
+        like = xr.DataArray(np.zeros(self.shape), self.coords, self.dims)
+        return np.asarray(array.broadcast_like(like).transpose(*self.dims).values, dtype=np.float64).ravel()
 
 
 def named_points(points: Queries, inputs: Sequence[Input]) -> Points:

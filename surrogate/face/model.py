@@ -207,15 +207,12 @@ class GaussianProcess(ABC):
         y : Dataset, optional
             The outputs, when X holds the inputs only.
         """
+        from sklearn.metrics import r2_score  # slow to import
+
         points, truth = self.cases(X if y is None else X.merge(y, join="exact"))
-        mean = self.predict(points, return_std=False)
-        scores = []
-        for name in self.outputs_:
-            true, predicted = xr.broadcast(truth[name], mean[name])
-            spread = float(((true - true.mean()) ** 2).sum())
-            error = float(((true - predicted) ** 2).sum())
-            scores.append(1 - error / spread if spread else float(error == 0))
-        return float(np.mean(scores))
+        named = named_points(points, self.inputs_)
+        true = np.stack([named.flat(truth[name]) for name in self.outputs_], axis=1)
+        return float(r2_score(true, self.predict_array(named.X)))
 
     def cases(self, dataset: xr.Dataset) -> tuple[dict[str, xr.DataArray], xr.Dataset]:
         """Take a data set of cases, factorial or scattered, apart into points and true outputs.
@@ -261,8 +258,7 @@ class GaussianProcess(ABC):
                 f"calibration needs at least {MINIMUM} cases, got {np.count_nonzero(even)}; about 10,000 make it local"
             )
         t = unit_coordinates(self.inputs_, named.X)
-        like = named.labelled(np.zeros(len(named.X)), {})
-        true = np.stack([named.flat(truth[name], like) for name in self.outputs_])
+        true = np.stack([named.flat(truth[name]) for name in self.outputs_])
         bad = ~np.isfinite(true).all(axis=1)
         if bad.any():
             raise ValueError(f"output {self.outputs_[int(bad.argmax())]!r} is not finite in a case of the calibration")
