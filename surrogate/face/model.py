@@ -18,7 +18,7 @@ from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
 from surrogate.intervals.copula import ends
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
-from surrogate.intervals.sharing import sharing
+from surrogate.intervals.guard import sharing
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048

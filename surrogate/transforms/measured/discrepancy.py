@@ -49,11 +49,6 @@ class Discrepancy:
         residual, slopes = self.whitened
         return self.slopes.T @ slopes, self.slopes.T @ residual
 
-    @property
-    def fit(self) -> float:
-        """Twice the negative logarithm of the density of the residuals were all constants zero, less n log 2 pi."""
-        return float(self.residual @ self.whitened[0] + 2 * np.log(np.diag(self.factor)).sum())
-
     def at(self, points: Array) -> tuple[Array, Array, Array]:
         """Return m0 (m,), m1 (m, k) and the variance (m,) at scaled points (m, d): the mean is m0 - m1 @ constants."""
         return self._conditioned(self.covariance(points), self.amplitude**2)
