@@ -37,9 +37,9 @@ def _option(*names: str, **details: Any) -> Option:
     return names, details
 
 
-def _written(*, required: bool = True, **endings: str) -> Option:
+def _written(words: str | None = None, *, required: bool = True, **endings: str) -> Option:
     names = "|".join(f"OUT.{ending}" for ending in endings)
-    return _option("-o", "--output", type=written_as(**endings), required=required, metavar=names)
+    return _option("-o", "--output", type=written_as(**endings), required=required, metavar=names, help=words)
 
 
 def _repeated(name: str, metavar: str, words: str | None = None, *, required: bool = False) -> Option:
@@ -150,13 +150,7 @@ COMMANDS = {
         _repeated("--limit", "'trailing_tension <= 50 MPa'"),
         _SI,
         _option("--json", action="store_true", help="print JSON instead of a table"),
-        _option(
-            "-o",
-            "--output",
-            type=written_as(csv="CSV", json="JSON"),
-            metavar="OUT.csv|.json",
-            help="write the answer instead of printing it",
-        ),
+        _written("write the answer instead of printing it", required=False, csv="CSV", json="JSON"),
     ),
     "invert": _command(
         "questions.infer",
@@ -188,7 +182,9 @@ COMMANDS = {
             metavar="NAME=VALUE,...",
             help="'input_capacitance=10 pF,input_resistance=1 GOhm'",
         ),
-        _option("--temperature", default="293.15", metavar="K", help="temperature of the circuit; default: 293.15"),
+        _option(
+            "--temperature", type=float, default=293.15, metavar="K", help="temperature of the circuit; default: 293.15"
+        ),
         _option("--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"),
         _written(csv="CSV"),
         _MATERIALS,
@@ -206,7 +202,13 @@ COMMANDS = {
         _SURROGATE,
         _option("--as", dest="form", required=True, choices=["c", "fmu"]),
         _option("--outputs", metavar="NAME,...", help="default: all"),
-        _option("--error", default="1e-5", metavar="SHARE", help="largest error over an output's range; default: 1e-5"),
+        _option(
+            "--error",
+            type=float,
+            default=1e-5,
+            metavar="SHARE",
+            help="largest error over an output's range; default: 1e-5",
+        ),
         _option("--precision", choices=["single", "double"], default="double", help="default: double"),
         _option("-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"),
         description=(
@@ -254,13 +256,7 @@ COMMANDS = {
         _option("measured", type=Path, metavar="MEASURED.csv"),
         _option("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc"),
         _repeated("--uncertain", "NAME[=5%],...", "'BaTiO3 permittivity', 'BaTiO3 e33', 'steel modulus'"),
-        _option(
-            "-o",
-            "--output",
-            type=written_as(nc="netCDF"),
-            metavar="OUT.nc",
-            help="default: corrected.nc beside the surrogate",
-        ),
+        _written("default: corrected.nc beside the surrogate", required=False, nc="netCDF"),
         _JSON,
         description=(
             "Estimates uncertain constants and discrepancies from measured rows, with intervals. MEASURED.csv has "

@@ -53,15 +53,13 @@ def _plain(letter: str) -> str:
 _REPLACING = "meecontact_ascii"
 _RAISED = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
 _ASCII = {
-    **dict(zip("⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ", "-0123456789/", strict=True)),
-    **dict.fromkeys("\u2212\u2013\u2014\u2010\u2011", "-"),
-    **dict.fromkeys("\u00a0\u2009\u202f\u2007", " "),
+    **dict.fromkeys("⁻\u2212\u2013\u2014\u2010\u2011", "-"),
     **dict.fromkeys("µμ", "u"),
     **dict.fromkeys("ΩΩ", "Ohm"),
     **dict.fromkeys("·⋅", " "),
     **dict.fromkeys("\u2018\u2019", "'"),
     **dict.fromkeys("\u201c\u201d\u201e", '"'),
-    "×": "x", "±": "+-", "…": "...", "→": "->", "≤": "<=", "≥": ">=", "≈": "~", "°": " deg", "σ": "sigma", "ε": "eps",
+    "×": "x", "±": "+-", "ᐟ": "/", "→": "->", "≤": "<=", "≥": ">=", "≈": "~", "°": " deg", "σ": "sigma", "ε": "eps",
     "α": "alpha", "β": "beta", "π": "pi", "τ": "tau", "ν": "nu", "ø": "o", "Ø": "O", "ł": "l", "ß": "ss", "æ": "ae",
     "•": "*", "─": "-", "│": "|", "█": "#", "√": "sqrt", "∞": "inf", "‰": "o/oo",
 }  # fmt: skip
