@@ -7,7 +7,7 @@ import os
 import sys
 import unicodedata
 from argparse import ArgumentTypeError
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from solver.units import in_si
@@ -135,15 +135,6 @@ def _parts(word: str) -> list[str]:
         else:
             parts[-1] += character
     return parts
-
-
-def place(text: str, units: Mapping[str, str]) -> dict[str, float]:
-    """Return the values of the option ``--at`` by name, in SI."""
-    texts = named("--at", text, valued=True)
-    for name in texts:
-        if name not in units:
-            raise InputError(f"--at: {name}: not an input of the surrogate; {nearest(name, list(units))}")
-    return {name: quantity(f"--at: {name}", value, units[name]) for name, value in texts.items()}
 
 
 def surrogate_file(text: str) -> Path:
