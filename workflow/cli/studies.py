@@ -24,7 +24,7 @@ def init(options: argparse.Namespace) -> None:
     path = location.FOLDER / f"{name}.yaml"
     if path.exists():
         raise InputError(f"init: {path} is there already; remove it, or choose another name")
-    known = {file.stem: file for file in sorted(location.BUNDLED.glob("*.yaml"))}
+    known = location.files(location.BUNDLED)
     if like is not None and like not in known:
         raise InputError(f"--like: {like!r} is unknown; {nearest(like, list(known))}")
     text = (_BEGINNING if like is None else known[like]).read_text(encoding="utf-8").replace("NAME", name, 1)
@@ -51,10 +51,8 @@ def listed(kind: str | None) -> str:
 def _studies() -> str:
     """Name and title of every study of the current folder, and then of those that come with the program."""
     rows = {}
-    local, bundled = (
-        {file.stem: file for file in sorted(folder.glob("*.yaml"))} for folder in (location.FOLDER, location.BUNDLED)
-    )
-    for file in (local | {name: file for name, file in bundled.items() if name not in local}).values():
+    local = location.files(location.FOLDER)
+    for file in (local | location.files(location.BUNDLED) | local).values():
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
         title = next((line.partition(":")[2] for line in lines if line.startswith("title:")), "")
         rows[file.stem] = (one_line(title.strip().strip("\"'")),)
