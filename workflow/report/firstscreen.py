@@ -15,9 +15,8 @@ from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ANGLED_CUTS, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
 from workflow.design.verdict import linearity
-from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.answer import Answer, Term
 from workflow.design.verdict.leftout import LeftOut, largest
-from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
 from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, Verdict, verdict, within
 from workflow.language import given, titles

@@ -11,8 +11,7 @@ from solver import find, solve, solve_interior
 from tests.studies import fitted, made
 from workflow.design.search import targets
 from workflow.design.verdict import multipliers
-from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.term import ROUNDING
+from workflow.design.verdict.answer import ROUNDING, Answer
 from workflow.design.wording import words
 from workflow.report.figures.design_plots import figures_of
 from workflow.study.target import Target

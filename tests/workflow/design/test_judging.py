@@ -1,5 +1,6 @@
 """Judgements of one design against closed forms: Hertz on a body without charges, bounds of the library."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,10 +15,11 @@ from surrogate.search.pareto import Front
 from tests.studies import shipped
 from tests.surrogate import curved
 from tests.workflow.design import standin
-from workflow.design.question import terms
 from workflow.design.question.pilot import smooth_pieces
 from workflow.design.question.question import Question
+from workflow.design.question.risk import WorstCase, measure
 from workflow.design.question.sources import Exact, Predicted
+from workflow.design.question.terms import Term
 from workflow.design.search import polish, targets
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment, linearity, merit
@@ -159,9 +161,10 @@ def test_map_and_slices_are_the_terms_about_the_design() -> None:
     assert np.all(load_slice["slice_low"] <= load_slice["slice_objective"])
 
 
-def term(text: str, bound: float) -> terms.Term:
+def term(text: str, bound: float) -> Term:
     """A limit over the worst case."""
-    return terms.limited(statements.limit(text), 1.0, bound, drawn=False)
+    limit = statements.limit(text)
+    return Term(text, limit.expression, limit.sign, WorstCase(), bound, abs(bound))
 
 
 def test_a_limit_counts_its_largest_use_and_an_objective_its_least() -> None:
@@ -171,9 +174,9 @@ def test_a_limit_counts_its_largest_use_and_an_objective_its_least() -> None:
     assert upper.oriented(4.0) == pytest.approx(1.0)  # excess over the bound, relative
     assert upper.weights(values[0]).tolist() == [0, 1, 0, 0]
     assert upper.deciding(values[0]).tolist() == [False, True, False, False]
-    goal = terms.wanted(statements.objective("voltage"), statistics.Worst())
+    goal = Term("voltage", parse("voltage"), 1.0, measure(statistics.Worst(), 1.0))
     assert goal.counted(values) == [1.0]
-    mean = terms.wanted(statements.objective("voltage"), statistics.Mean(1.0))
+    mean = replace(goal, measure=measure(statistics.Mean(1.0), 1.0))
     assert mean.counted(values) == pytest.approx([1.0])  # the lesser of 2.5 - 1.5 and 2.5 - 0.5, groups of two draws
 
 

@@ -18,8 +18,8 @@ from solver.surface.contact import solve_contact
 from solver.surface.shape import Roller, RoughSphere, sphere
 from tests.workflow.design.test_answer import ANSWER
 from workflow.design.verdict import leftout
+from workflow.design.verdict.answer import End
 from workflow.design.verdict.leftout import LeftOut, SolvedCase
-from workflow.design.verdict.variable import End
 from workflow.design.wording import words
 from workflow.language import statements
 from workflow.language.numbers import shown

@@ -15,9 +15,14 @@ import scipy  # scipy.special, slow to import, and not every job answers a quest
 from approximation.arrays import Array
 from workflow.language import statistics
 
+#: What tells the sets of scenarios of a question apart: draws or not, or the factors of a deviation.
+Key = bool | tuple[str, ...]
+
 
 class RiskMeasure(ABC):
     """A way to count scenarios."""
+
+    key: Key = True  # the set of scenarios that is counted
 
     @abstractmethod
     def rows(self, values: Array) -> Array:
@@ -30,6 +35,8 @@ class RiskMeasure(ABC):
 
 class WorstCase(RiskMeasure):
     """Every scenario a row of its own: the worst of them decides."""
+
+    key = False
 
     def rows(self, values: Array) -> Array:
         """The values themselves."""
@@ -80,6 +87,7 @@ class RelativeDeviation(RiskMeasure):
 
     # What each draw of a group weighs in its mean, (draws,), by how many there are; equally much where it is empty
     shares: Mapping[int, Array] = field(default_factory=dict)
+    key: Key = ()  # the factors over which the deviation is taken
 
     def _share(self, draws: int) -> Array:
         return self.shares.get(draws, np.full(draws, 1 / draws))

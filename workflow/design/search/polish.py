@@ -11,8 +11,7 @@ from workflow.design.question.question import Question
 from workflow.design.question.sources import Source
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
-from workflow.design.verdict.answer import ROOM
-from workflow.design.verdict.term import ROUNDING
+from workflow.design.verdict.answer import ROOM, ROUNDING
 
 _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _SAFETY = 1e-10  # relative safety margin, beyond rounding

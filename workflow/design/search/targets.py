@@ -20,10 +20,8 @@ from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import contact_fields, polish
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment, leftout
-from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
+from workflow.design.verdict.answer import ROUNDING, Answer, Category, Choice, Role, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
-from workflow.design.verdict.term import ROUNDING
-from workflow.design.verdict.variable import Role
 from workflow.language.factors import FACTORS
 from workflow.study.categories import output
 from workflow.study.model import Study

@@ -12,15 +12,13 @@ from solver.units import written
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
-from workflow.design.question.risk import WorstCase
+from workflow.design.question.risk import Key, WorstCase
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Predicted, Source, shape
-from workflow.design.question.terms import Key, Term
+from workflow.design.question.terms import Term
 from workflow.design.verdict import answer, linearity, merit
-from workflow.design.verdict.answer import Answer, Range
-from workflow.design.verdict.term import Scenario
-from workflow.design.verdict.term import Term as JudgedTerm
-from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
+from workflow.design.verdict.answer import Answer, End, Range, Role, Scenario, Sensitivity, Variable
+from workflow.design.verdict.answer import Term as JudgedTerm
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit, Objective
@@ -69,11 +67,11 @@ def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
     values, cases = [], 0
     for term in terms:
         if costly.names(design, term):
-            counted = costly.count_exactly(design, term)
-            values.append(counted.value)
-            cases += counted.cases
+            value, searched = costly.count_exactly(design, term)
+            cases += searched
         else:
-            values.append(float(term.counted(design.value(design.exact, design.judged[term.key], term))[0]))
+            value = float(term.counted(design.value(design.exact, design.judged[term.measure.key], term))[0])
+        values.append(value)
     return np.array(values), cases
 
 
@@ -95,7 +93,7 @@ def predict(design: Question, sets: Mapping[Key, Scenarios]) -> Prediction:
     values, scenarios = [], []
     errors: list[tuple[float, float]] = []
     for term in design.terms:
-        chosen = sets[term.key]
+        chosen = sets[term.measure.key]
         rows = design.value(design.predicted, chosen, term)
         slopes = term.slopes(rows[0])
         values.append(float(term.counted(rows)[0]))
@@ -199,7 +197,7 @@ def _corners(design: Question) -> dict[str, Array]:
     """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
     out: dict[str, Array] = {}
     for sets, slow in ((design.judged, False), (design.searched, True)):
-        names = [name for name in design.exact.quantities if (name in design.study.costly) == slow]
+        names = [name for name in design.study.quantities if (name in design.study.costly) == slow]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
 
@@ -230,7 +228,7 @@ def tolerances(design: Question) -> Array:
     sizes = allowances(design.study, design.predicted, names)
     out = []
     for term in terms:
-        chosen = design.searched[term.key]
+        chosen = design.searched[term.measure.key]
         weights = term.weights(design.value(design.predicted, chosen, term)[0])
         partials = _partials(design, chosen, term)
         out.append(
@@ -241,7 +239,7 @@ def tolerances(design: Question) -> Array:
 
 def _case(design: Question, term: Term, scenario: int) -> dict[str, float]:
     """Every factor of the factorial in one scenario of a term's verdict on one design."""
-    factors = design.factors(design.judged[term.key])
+    factors = design.factors(design.judged[term.measure.key])
     return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
 
 

@@ -7,8 +7,7 @@ import numpy as np
 from approximation.arrays import Array
 from solver.face.refusal import FactorError
 from workflow.design.question.question import Question
-from workflow.design.verdict.answer import Figure, Overload
-from workflow.design.verdict.term import Scenario
+from workflow.design.verdict.answer import Figure, Overload, Scenario
 from workflow.language import grammar
 from workflow.language.constants import CONSTANTS, FIGURES_BY
 from workflow.language.expressions import Expression
@@ -57,7 +56,7 @@ def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
     limits = [
         (term, case)
         for term, case in zip(design.terms, worst, strict=True)
-        if term.limited and term.sign > 0 and not term.drawn and not term.along
+        if term.limited and term.sign > 0 and not term.measure.key  # which one case decides
     ]
     pressing = design.study.kind.loads.force
     if pressing not in design.study.factors or not limits:

@@ -3,9 +3,8 @@
 import numpy as np
 
 from workflow.design.question.terms import BINDS
-from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.answer import ROUNDING, Answer, Term
 from workflow.design.verdict.merit import MOST_LOAD
-from workflow.design.verdict.term import ROUNDING, Term
 from workflow.language import given, titles
 from workflow.language.constants import FIGURES
 from workflow.language.numbers import number, shown

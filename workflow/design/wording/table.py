@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from workflow.design.verdict import netcdf
-from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.term import Term
+from workflow.design.verdict.answer import Answer, Term
 from workflow.design.wording import asides
 from workflow.design.wording.words import verdict
 from workflow.language.factors import FACTORS
