@@ -109,7 +109,7 @@ RECIPES: dict[str, Steps] = {
         "workflow/report/figures/gaps.py": {"": ("def figure(validation, told):\n    raise NotImplementedError\n")},
         "workflow/report/captions/gaps.rst": {"": "Gaps.\n"},
         "workflow/report/sections.py": {
-            '                    Figure("intervals"': 'Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _slabs),\n'
+            '    Figure("intervals"': '    Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _factorial),\n'
         },
     },
 }

@@ -51,6 +51,10 @@ _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
     "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
+#: Content that not every page has.
+_OF_SOME = (
+    "answers", "beside", "dataset", "datum_changes", "designs", "levels", "readouts", "signal", "surface", "whatif",
+)  # fmt: skip
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -68,7 +72,7 @@ def page(
     """The page as text."""
     card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
-    content: dict[str, Any] = {
+    content: dict[str, Any] = dict.fromkeys(_OF_SOME, ()) | {
         "study": study,
         "name": name,
         "problem": _problem(study),
@@ -84,26 +88,12 @@ def page(
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
-        "datum_changes": [],
         "composites": _composites(study),
-        "dataset": None,
-        "levels": None,
-        "surface": None,
-        "validation": None,
-        "timing": None,
-        "times": [],
-        "designs": [],
-        "answers": [],
-        "whatif": None,
-        "readouts": [],
-        "signal": None,
-        "beside": None,
         "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
+        "varied": bool(study.factors or study.effects),
         "effects": list(study.effects.vary) if study.effects else [],
         "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
         "effects_table": tables.effects(study, folder) if study.effects else [],
-        "spans": None,
-        "sobol": [],
         "verification": tables.verification(folder) if study.verification else None,
         "measurements": tables.measurements(folder) if study.measurements else [],
     }
