@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +18,7 @@ from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer, Term
 from workflow.design.verdict.leftout import LeftOut, largest
 from workflow.design.wording import asides
-from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, Verdict, verdict, within
+from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, verdict, within
 from workflow.language import given, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -39,64 +39,63 @@ Case = Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
-class Screen:
-    """Card of one target: three lines, and the sentences behind its "why"."""
+class Card:
+    """Card of a target, or of a contact that is solved as it is, not searched."""
 
-    name: str  # key of the target
     title: str
-    code: str  # goal and limits as the study writes them
-    build: str  # body and punch with their tolerances
-    does: str  # every goal with its spread and conditions
-    doubt: str  # constants that the library marks as doubtful; empty without any
-    beyond: str  # exceeded limits of materials and theory; empty without any
+    built: str  # body and punch
+    build: str  # the same with tolerances
+    does: str  # every goal with its spread and conditions; of a contact its charge and output
     stops: str  # binding limits
-    breaks: str  # limit with the least room; empty without limits
-    why: tuple[str, ...]  # further sentences
-    verdict: Verdict
+    doubt: str  # constants that the library marks as doubtful; empty without any
+    verdict: str
     left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
     drawing: Markup  # to scale
+    good: bool = True  # of a contact: no limit of materials and theory is exceeded within the tolerances
+    # Of a target: its name, goal and limits as the study writes them, exceeded limits of materials and theory, the
+    # limit with the least room, and further sentences
+    name: str = ""
+    code: str = ""
+    beyond: str = ""
+    breaks: str = ""
+    why: tuple[str, ...] = ()
 
     @property
     def reachable(self) -> bool:
         """Return whether some design satisfies every limit."""
-        return self.verdict.kind != UNREACHABLE
+        return self.verdict != UNREACHABLE
 
 
-def answered(
-    study: Study,
-    name: str,
-    target: Target,
-    answer: Answer,
-    contact: Mapping[str, float],
-    around: Mapping[str, Any],
-    on_datum: Sequence[Mapping[str, Any]] = (),
-) -> Screen:
-    """Return the card of one target."""
+def answered(study: Study, name: str, target: Target, answer: Answer, solved: Mapping[str, Any]) -> Card:
+    """Return the card of one target; solved: its exact cases, as `workflow.report.exact` has them."""
     narrowed, judged = study.narrowed(answer.combination), verdict(answer)
     case: Case = {**study.fixed, **answer.combination, **answer.case}
     built = in_words(narrowed, case)
-    moving = {str(row["name"]) for row in on_datum if row["moves"]}
+    moving = {str(row["name"]) for row in solved["on_datum"] if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
-           asides.spread(answer), exact.told(around), judged.sources)  # fmt: skip
-    title = study.titles[name]
-    return Screen(
-        name=name,
-        title=title,
-        code=answer.goal,
+           asides.spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
+    return Card(
+        title=study.titles[name],
+        built=built,
         build=unbroken(built + asides.within(answer)),
         does=unbroken(_good(target, answer, moving, reference)),
-        doubt=doubted(narrowed),
-        beyond=unbroken(asides.exceeded(answer)),
         stops=unbroken(capital(judged.stops)),
+        doubt=doubted(narrowed),
+        verdict=judged.kind,
+        left_out=answer.left_out,
+        drawing=_drawing(of_case(study, case, solved["contact"]), name, study.titles[name], built),
+        name=name,
+        code=answer.goal,
+        beyond=unbroken(asides.exceeded(answer)),
         breaks=unbroken(asides.first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
-        verdict=judged,
-        left_out=answer.left_out,
-        drawing=element(
-            device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
-        ),
     )
+
+
+def _drawing(drawn: device.Device, name: str, title: str, built: str) -> Markup:
+    """The drawing of a card as an element of the page."""
+    return element(device.draw(drawn, built), f"device-{name}", f"{title}, drawn to scale: {built}")
 
 
 def doubted(study: Study) -> str:
@@ -287,22 +286,6 @@ def _share(part: float) -> str:
     return f"{number(100 * part, 2)} %" if part > _LITTLE else f"less than {number(100 * _LITTLE, 1)} %"
 
 
-@dataclass(frozen=True)
-class Card:
-    """Card of a contact that is solved as it is, not searched."""
-
-    title: str
-    on: str  # the contact within a sentence
-    build: str
-    does: str
-    stops: str
-    doubt: str  # constants that the library marks as doubtful
-    verdict: str
-    good: bool  # no limit of materials and theory is exceeded within the tolerances
-    left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
-    drawing: Markup  # to scale
-
-
 def card(
     study: Study, signal: Mapping[str, float], held: Mapping[str, Array], left_out: tuple[LeftOut, ...] = ()
 ) -> Card:
@@ -317,6 +300,7 @@ def card(
         for name in ("radius", "thickness")
     ]
     beyond = [*linearity.beyond(signal_study, held), *linearity.beyond_small_strain(signal_study, held, *sizes)]
+    nominal = {name: float(values[0]) for name, values in held.items()}
     nearest = linearity.nearest(signal_study, held)
     reached = "within the tolerances the {} reaches {} % of the {}" if bands else "the {} is {} % of the {}"
     share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
@@ -333,7 +317,7 @@ def card(
         read = f"{charge}{bands_of_both[0]} and {output}{bands_of_both[1]} at the output"
     return Card(
         title=title,
-        on=unbroken(f"the contact beside the designs ({built})"),
+        built=built,
         build=unbroken(f"{built} ({listed(bands)})" if bands else built),
         does=unbroken(f"{shown(signal['force'], 'N', 3)} gives a charge of {read}{_fading(signal['time_constant'])}"),
         stops=unbroken(f"{capital('; '.join(stops))}."),
@@ -341,11 +325,7 @@ def card(
         verdict=within(left_out, moved, BEYOND if beyond else usual),
         good=not (beyond or largest(left_out, moved)),
         left_out=left_out,
-        drawing=element(
-            device.draw(of_case(signal_study, case, {name: float(values[0]) for name, values in held.items()}), built),
-            "device-beside",
-            f"{title}, drawn to scale: {built}",
-        ),
+        drawing=_drawing(of_case(signal_study, case, nominal), "beside", title, built),
     )
 
 

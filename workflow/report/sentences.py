@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from solver.names import ALL_QUANTITIES
-from workflow.design.wording.words import UNREACHABLE, Verdict, unread
+from workflow.design.wording.words import UNREACHABLE, unread
 from workflow.device.signal import DROP, GONE
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
@@ -21,9 +21,9 @@ _MOST_NAMED = 3  # categories that a sentence names
 _LITTLE = 1e-4  # share of a charge that is reported as less than that
 
 
-def reached(verdicts: Mapping[str, Verdict]) -> str:
-    """Sentence on which targets are reachable."""
-    missed = [title for title, verdict in verdicts.items() if verdict.kind == UNREACHABLE]
+def reached(verdicts: Mapping[str, str]) -> str:
+    """Sentence on which targets are reachable, by title."""
+    missed = [title for title, verdict in verdicts.items() if verdict == UNREACHABLE]
     if not missed:
         several = "Both" if len(verdicts) == 2 else f"All {len(verdicts)}"
         return f"{'The target is' if len(verdicts) == 1 else f'{several} targets are'} reachable."

@@ -16,7 +16,6 @@ from tests.studies import shipped
 from tests.surrogate import curved
 from tests.workflow.design import standin
 from workflow.design.question.pilot import smooth_pieces
-from workflow.design.question.question import Question
 from workflow.design.question.risk import WorstCase, measure
 from workflow.design.question.sources import Exact, Predicted
 from workflow.design.question.terms import Term
@@ -114,14 +113,10 @@ def test_a_tolerance_costs_what_it_keeps_away_from_the_limit() -> None:
     study = standin.study()
     target = Target(maximise="radius", over=["radius"], at={"load": 1e4}, tolerance={"radius": "5 %"},
                     subject_to=["radius <= 100 mm"])  # fmt: skip
-    candidate = standin.candidate(study, **target.model_dump())
-    best = searched(candidate)
+    best = searched(standin.candidate(study, **target.model_dump()))
     without = searched(standin.candidate(study, **targets.without_tolerances(target).model_dump()))
 
-    def other(target: Target) -> Question:
-        return Question(study, target, candidate.question.predicted, candidate.question.exact, {"load": 1e4})
-
-    costs = targets.costs(best, without, other)
+    costs = targets.costs(best, without)
     assert float(best.design.variables["radius"][0]) == pytest.approx(0.1 / 1.05, rel=1e-9)
     assert costs.exact == pytest.approx(0.1, rel=1e-9)
     # the goal counts the least radius within the tolerance, 0.95 of the design's

@@ -156,10 +156,14 @@ class Question:
             values[name] = values[name] * (1 + share * offsets) + absolute * offsets
         return {name: values[name] for name in self.study.factors}
 
-    def factors_of(self, values: Array) -> Factors:
-        """Factors at the corner set (verdict or search) whose size matches `values`."""
+    def factor(self, name: str, like: Array) -> Array | None:
+        """A factor over the corner set (verdict or search) whose size matches `like`; None where it is no number."""
         sets = (self.judged[False], self.searched[False])
-        return self.factors(next((chosen for chosen in sets if chosen.count == values.shape[-1]), sets[0]))
+        factors = self.factors(next((chosen for chosen in sets if chosen.count == like.shape[-1]), sets[0]))
+        if name in factors:
+            return factors[name]
+        held = self.study.held(name)
+        return np.full((1, 1), float(held)) if isinstance(held, float | int) else None
 
     def values(self, source: Source, chosen: Scenarios, terms: Sequence[Term]) -> list[Array]:
         """Expressions of some terms, (designs, groups, draws) each."""

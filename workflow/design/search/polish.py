@@ -1,5 +1,6 @@
 """Polish of candidates on the exact solver: limits are shifted until a design stands its verdict."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,13 +23,13 @@ _LOST = 1e-6  # share of the objective that safety margins may cost
 _RETREATS = 3  # steps back behind limits that many more scenarios judge
 
 
-def first_feasible(ranked: list[Candidate]) -> Candidate:
+def first_feasible(candidates: Iterable[Candidate]) -> Candidate:
     """The best choice that stays feasible on the exact solver, or else the first one, polished.
 
     Better choices that no polish brings within their limits are told in its words and kept in ``passed``.
     """
     passed: list[Candidate] = []
-    for candidate in ranked:
+    for candidate in sorted(candidates, key=_rank, reverse=True):
         polished = _cheapest(_polish(candidate))
         if polished.best.feasible:
             return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
@@ -36,6 +37,12 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
         if not candidate.best.feasible or sum(attempt.cases for attempt in passed) > costly.most(candidate.question):
             break
     return passed[0]
+
+
+def _rank(candidate: Candidate) -> tuple[bool, float]:
+    """Feasible before infeasible; then the objective, or the least violation."""
+    best = candidate.best
+    return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
 
 
 def _missed(passed: Candidate) -> str:

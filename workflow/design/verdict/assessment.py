@@ -16,12 +16,12 @@ from workflow.design.question.risk import Key, WorstCase
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Predicted, Source, shape
 from workflow.design.question.terms import Term
-from workflow.design.verdict import answer, linearity, merit
-from workflow.design.verdict.answer import Answer, End, Range, Role, Scenario, Sensitivity, Variable
+from workflow.design.verdict import linearity, merit
+from workflow.design.verdict.answer import Answer, Constant, End, Range, Role, Scenario, Sensitivity, Variable
 from workflow.design.verdict.answer import Term as JudgedTerm
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
-from workflow.language.statements import Limit, Objective
+from workflow.language.statements import Limit
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -34,19 +34,6 @@ _ELASTIC_STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable
 _SHARES = 1 + np.array([-_ELASTIC_STEP, _ELASTIC_STEP, -_ERROR, _ERROR])
 _NOTHING = 1e-9  # share of the goal that counts as no change
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Relative changes of each term by one standard deviation of each constant."""
-
-    constants: tuple[answer.Constant, ...]  # Of the materials
-    effects: Array  # Relative changes of the terms, (terms, constants)
-
-    @property
-    def whole(self) -> Array:
-        """Root of the sum of the squares, (terms,); NaN without a constant."""
-        return np.sqrt((self.effects**2).sum(1)) if self.constants else np.full(len(self.effects), np.nan)
 
 
 @dataclass(frozen=True)
@@ -123,12 +110,12 @@ def judge(design: Question) -> Answer:
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     beyond = linearity.beyond(design.study, corner, _field_below(design, corner))
-    thickness = _thickness(design, corner)
+    thickness = design.factor("thickness", corner["depth"]) if "depth" in corner else None
     beyond += linearity.beyond_small_strain(design.study, corner, _radius(design, corner), thickness)
     notes = [*(words for words, _ in beyond), *_flags(design, corner), *design.notes]
-    spreads = spread(design, worst)
+    constants, effects = spread(design, worst)
     out = Answer(
-        terms=_terms(design, guessed, exact, worst, spreads),
+        terms=_terms(design, guessed, exact, worst, effects),
         variables=_variables(design, exact, worst[0]),
         ranges=tuple(Range(name, float(values.min()), float(values.max())) for name, values in corner.items()),
         beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
@@ -136,42 +123,41 @@ def judge(design: Question) -> Answer:
         flags="; ".join(notes),
         statistic=str(design.target.statistic),
         figures=merit.over(design, corner),
-        constants=spreads.constants,
+        constants=constants,
     )
     return replace(out, overload=merit.first_limit(design, worst)) if out.feasible else out
 
 
 def _terms(
-    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: Spread
+    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], effects: Array
 ) -> tuple[JudgedTerm, ...]:
-    """Return the judged terms of one design."""
-    terms = design.terms
-    stated: list[Objective | Limit] = [*design.target.objectives, *design.target.limits]
+    """Return the judged terms of one design; effects: of the constants on the terms, (terms, constants)."""
     half = guessed.reaches + tolerances(design)
     inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
-    margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
-    bounds = [
-        linearity.bound(design.study, statement) if isinstance(statement, Limit) else ("", "") for statement in stated
-    ]
-    return tuple(
-        JudgedTerm(
-            statement=stated[k],
-            predicted=float(guessed.values[k]),
-            predicted_std=float(guessed.stds[k]),
-            half=float(half[k]),
-            exact=float(exact[k]),
-            inside=bool(inside[k]),
-            limit=term.bound,
-            margin=float(margins[k]),
-            units=term.units,
-            bound=bounds[k][0],
-            source=bounds[k][1],
-            worst=worst[k],
-            effect=tuple(spreads.effects[k].tolist()),
-            spread=float(spreads.whole[k]),
+    judged = []
+    stated: list[Objective | Limit] = [*design.target.objectives, *design.target.limits]
+    for k, statement in enumerate(stated):
+        term = design.terms[k]
+        bound, source = linearity.bound(design.study, statement) if isinstance(statement, Limit) else ("", "")
+        judged.append(
+            JudgedTerm(
+                statement=statement,
+                predicted=float(guessed.values[k]),
+                predicted_std=float(guessed.stds[k]),
+                half=float(half[k]),
+                exact=float(exact[k]),
+                inside=bool(inside[k]),
+                limit=term.bound,
+                margin=float(term.sign * (term.bound - exact[k]) / term.scale),
+                units=term.units,
+                bound=bound,
+                source=source,
+                worst=worst[k],
+                effect=tuple(effects[k].tolist()),
+                spread=float(np.sqrt((effects[k] ** 2).sum())) if effects[k].size else np.nan,
+            )
         )
-        for k, term in enumerate(terms)
-    )
+    return tuple(judged)
 
 
 def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variable, ...]:
@@ -268,22 +254,9 @@ def _edges(design: Question) -> dict[str, End]:
 
 def _radius(design: Question, corner: Mapping[str, Array]) -> Array | None:
     """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
-    fixed = design.study.fixed
-    if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))].needs:
+    if "radius" not in PROFILES[str(design.study.fixed.get("profile", CHOICES["profile"][0]))].needs:
         return None
-    factors = design.factors_of(corner[design.study.kind.ends[0]])
-    return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
-
-
-def _thickness(design: Question, corner: Mapping[str, Array]) -> Array | None:
-    """Thickness of the film over the scenarios; None without one."""
-    if "depth" not in corner:
-        return None
-    factors = design.factors_of(corner["depth"])
-    held = design.study.held("thickness")
-    if "thickness" in factors:
-        return factors["thickness"]
-    return np.full((1, 1), float(held)) if isinstance(held, float | int) else None
+    return design.factor("radius", corner[design.study.kind.ends[0]])
 
 
 def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
@@ -351,8 +324,8 @@ def _effects(
     )
 
 
-def spread(design: Question, worst: Sequence[Scenario]) -> Spread:
-    """First-order spread of the terms of one design by the constants of its materials.
+def spread(design: Question, worst: Sequence[Scenario]) -> tuple[tuple[Constant, ...], Array]:
+    """Constants of a design's materials, and relative changes of the terms by a standard deviation of each.
 
     Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself in the case that
     decides a term; the design stays as it is. Constants are independent a priori, so that their effects add as squares.
@@ -361,14 +334,14 @@ def spread(design: Question, worst: Sequence[Scenario]) -> Spread:
     try:
         constants = uncertainty.uncertain(design.study)
     except InputError:  # a material whose constants follow its composition
-        return Spread((), np.empty((len(design.terms), 0)))
+        return (), np.empty((len(design.terms), 0))
     effects = np.full((len(design.terms), len(constants)), np.nan)
     places = [k for k, term in enumerate(design.terms) if _tells(design.study, term)]
     terms, cases = [design.terms[k] for k in places], [worst[k] for k in places]
     effects[places] = uncertainty.sensitivities(
         design.study, constants, lambda varied_study: _case_values(design, varied_study, terms, cases)
     )
-    return Spread(tuple(answer.Constant(constant.name, constant.prior) for constant in constants), effects)
+    return tuple(Constant(constant.name, constant.prior) for constant in constants), effects
 
 
 def _tells(study: Study, term: Term) -> bool:

@@ -42,10 +42,10 @@ def _figure(design: Question, corner: Mapping[str, Array], expression: Expressio
             except ValueError:
                 return None
         elif name in FACTORS:
-            factors, held = design.factors_of(corner[design.study.kind.ends[0]]), design.study.held(name)
-            if name not in factors and not isinstance(held, float | int):
+            factor = design.factor(name, corner[design.study.kind.ends[0]])
+            if factor is None:
                 return None
-            known[name] = factors[name] if name in factors else np.full((1, 1), float(held or 0.0))
+            known[name] = factor
         else:
             return None
     return expression.evaluate(known)
