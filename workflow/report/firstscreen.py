@@ -32,6 +32,18 @@ from workflow.study.target import Target
 _AROUND = {AIR: "in air", "insulated": "insulated around"}
 #: Radius that the section of a punch in space shows.
 _SECTION = {"ellipsoid": "radius_x", "roller": "radius", "rough_sphere": "radius"}
+_PUNCHES = {
+    "flat": "flat punch {width} wide",
+    "wedge": "wedge of slope {slope}",
+    "half_cylinder": "half cylinder, R = {radius}",
+    "sphere": "ball, R = {radius}",
+    "cone": "cone of slope {slope}",
+    "disc": "flat disc {width} wide",
+    "power": "punch of profile {coefficient} r^{exponent}",
+    "ellipsoid": "ellipsoid, R = {radius_x} and {radius_y}",
+    "roller": "roller, R = {radius}, {length} long",
+    "rough_sphere": "rough ball, R = {radius}, {roughness} rms",
+}
 _LITTLE = 1e-5  # share that is told as less than that
 #: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
@@ -190,45 +202,17 @@ def _base(case: Case) -> str:
 
 
 def punch_in_words(case: Case) -> str:
-    """The punch, as ``R = 50 mm``, or of a point ``steel ball, R = 3 mm``."""
-    profile = str(case.get("profile", CHOICES["profile"][0]))
-    if PROFILES[profile].contact == "point":
-        return _round(profile, case)
-    if profile == "flat":
-        return f"flat punch {titles.value('width', float(case['width']), 3)} wide"
-    if profile == "wedge":
-        return f"wedge of slope {number(float(case['slope']), 3)}"
-    radius = f"R = {titles.value('radius', float(case['radius']), 3)}"
-    return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
-
-
-def _in_space(profile: str, case: Case) -> str:
-    """The punch of a contact in space, without what it is made of."""
-    sizes = {name: titles.value(name, float(case[name]), 3) for name in PROFILES[profile].takes if name in case}
-    if profile == "ellipsoid":
-        return f"ellipsoid, R = {sizes['radius_x']} and {sizes['radius_y']}"
-    if profile == "roller":
-        crown = f", crown of {sizes['crown_radius']}" if "crown_radius" in sizes else ""
-        return f"roller, R = {sizes['radius']}, {sizes['length']} long{crown}"
-    return f"rough ball, R = {sizes['radius']}, {sizes['roughness']} rms"
-
-
-def _round(profile: str, case: Case) -> str:
-    """The punch of a point contact, with what it is made of where that deforms."""
-    material = str(case.get("punch", RIGID_PUNCH))
+    """The punch, as ``R = 50 mm``, or of a point with what it is made of, as ``steel ball, R = 3 mm``."""
+    profile, material = str(case.get("profile", CHOICES["profile"][0])), str(case.get("punch", RIGID_PUNCH))
+    outline = PROFILES[profile]
+    sizes = {name: titles.value(name, float(case[name]), 3) for name in outline.takes if name in case}
+    crown = f", crown of {sizes['crown_radius']}" if "crown_radius" in sizes else ""
+    words = _PUNCHES.get(profile, "R = {radius}").format(**sizes) + crown
+    if outline.contact == "line" or material == RIGID_PUNCH:
+        return words
     if material == "skin" and profile == "sphere":
-        return f"fingertip, R = {titles.value('radius', float(case['radius']), 3)}"
-    material = "" if material == RIGID_PUNCH else f"{material.replace('_', ' ')} "
-    size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
-    if profile in _SECTION:
-        return material + _in_space(profile, case)
-    words = {
-        "sphere": "ball, R = {}",
-        "cone": f"cone of slope {slope}",
-        "disc": "flat disc {} wide",
-        "power": "punch of profile {} r^" + number(float(case.get("exponent", 1.0)), 3),
-    }
-    return material + words[profile].format(titles.value(size, float(case[size]), 3))
+        return f"fingertip, R = {sizes['radius']}"
+    return f"{material.replace('_', ' ')} {words}"
 
 
 def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:

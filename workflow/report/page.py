@@ -191,7 +191,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
         says["signal"] = sentences.signal(content["signal"], on)
     if study.effects:
         says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))
-        says["varied"] = sentences.effects(study)
+        says["varied"] = sentences.effects(content["effects_table"])
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])
     if content["measurements"]:

@@ -158,14 +158,9 @@ def speed(timings: Sequence[Row]) -> str:
     return f"The closed form is {number(min(ratios), 2)} to {number(max(ratios), 2)} times faster than collocation."
 
 
-def effects(study: Study) -> str:
+def effects(rows: Sequence[Row]) -> str:
     """Values of the factors that were varied one at a time."""
-    assert study.effects is not None
-    spans = []
-    for name, values in study.effects.vary.items():
-        said = [value.replace("_", " ") if isinstance(value, str) else titles.value(name, value) for value in values]
-        named = isinstance(values[0], str)
-        spans.append(f"{titles.title(name)} {', '.join(said) if named else f'{said[0]} to {said[-1]}'}")
+    spans = [f"{titles.title(row['name'])} {row['over']}" for row in rows]
     return f"Factors are varied one at a time: {'; '.join(spans)}."
 
 

@@ -153,10 +153,7 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
     rows = []
     for factor, values in study.effects.vary.items():
         data = read_whole(folder / "fields" / f"effect_{factor}.nc")
-        named = isinstance(values[0], str)
-        said = [
-            value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value, 3) for value in values
-        ]
+        said = [value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value) for value in values]
         changed = CHANGED[study.kind.contact]
         known = [name for name in changed if name in data and factor in data[name].dims]  # not every punch has all
         selected = {name: data[name].isel({factor: slice(len(values))}) for name in known}
@@ -165,7 +162,7 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
             for name, values in selected.items()
             if values.notnull().all()
         }
-        over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
+        over = ", ".join(said) if isinstance(values[0], str) else f"{said[0]} to {said[-1]}"
         rows.append({"name": factor, "over": over, "spans": spans})
     return rows
 

@@ -220,19 +220,6 @@ def test_few_exact_cases_tell_what_many_would_say(words: dict[str, object], most
     assert value == pytest.approx(float(term.counted(values)[0]), rel=accuracy)
 
 
-def test_the_best_choice_that_holds_exactly_is_taken(low: GaussianProcess) -> None:
-    """A surrogate that errs accepts a sharper punch than the exact solver."""
-    radii = [0.0495, 0.0505, 0.06]
-    over = {"radius": {"choices": radii}, "volume_fraction": {"choices": [0.664]}}
-    choices = target(over=over, worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
-    case = {"composite": "fibrous", "load": 5e4, "volume_fraction": 0.664, "friction": 0.4}
-    holds = [solve({**case, "radius": radius}, peaks=True)["peak_principal_tension"].item() <= 60e6 for radius in radii]
-    assert holds == [False, True, True]
-    answer = targets.answer(STUDY, "sensor", choices, low)
-    assert answer.variable("radius").value == 0.0505
-    assert answer.feasible
-
-
 @pytest.mark.parametrize(("tabled", "most"), [(("friction",), 12), ((), 31)])
 def test_a_bias_of_the_surrogate_does_not_make_all_scenarios_of_a_film_decide(
     monkeypatch: pytest.MonkeyPatch, tabled: tuple[str, ...], most: int

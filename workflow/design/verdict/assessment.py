@@ -21,7 +21,7 @@ from workflow.design.verdict.answer import Answer, Constant, End, Range, Role, S
 from workflow.design.verdict.answer import Term as JudgedTerm
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
-from workflow.language.statements import Limit
+from workflow.language.statements import Limit, Objective
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError

@@ -185,13 +185,6 @@ class SolvedCase:
             return None
 
     @property
-    def collecting(self) -> float:
-        """Radius, or half of the width, of what collects the charge [m]: a pad, else the punch's contact."""
-        if "patch_size" in self.factors:
-            return min(float(self.factors["patch_size"]) / 2, SUPPORT)
-        return SUPPORT if "electrode_charge_per_force" in self.solved else self.half
-
-    @property
     def shown_band(self) -> float:
         """The printed band, or the least that published constants differ by."""
         return self.band if self.band > 0 else USUAL
@@ -352,7 +345,9 @@ def _moments_over_charge(case: SolvedCase, stack: Stack, moments: Callable[[Arra
 
     In air a punch reads through its gap as well (docs/heat.md), insulated as much as its capacitance says.
     """
-    pad = case.collecting
+    # what collects: a pad, an electrode without end, else the punch's contact
+    pad = SUPPORT if "electrode_charge_per_force" in case.solved else case.half
+    pad = min(float(case.factors["patch_size"]) / 2, SUPPORT) if "patch_size" in case.factors else pad
     edges = pad * np.append(np.linspace(0.0, 1.0, 65), np.geomspace(1.0, SUPPORT / pad, 257)[1:])
     r, areas = (edges[1:] + edges[:-1]) / 2, np.diff(np.pi * edges**2 if case.point else 2 * edges)
     is_read_by_punch = "collector" not in case.factors
