@@ -119,12 +119,7 @@ def test_an_edge_of_the_box_binds_nothing_and_what_does_not_matter_is_told() -> 
         "feasible; binding: none; volume_fraction at the upper end of the studied range; "
         "radius of no effect on the goal"
     )
-    sensitivities = [answer.variable(name).sensitivity for name in ("volume_fraction", "radius")]
-    assert [sensitivity.matters for sensitivity in sensitivities] == [True, False]
-    assert [sensitivity.loss for sensitivity in sensitivities] == pytest.approx(
-        [sensitivity.cost * answer.terms[0].exact for sensitivity in sensitivities]
-    )
-    assert sensitivities[0].cost > 0.01
+    assert [answer.variable(name).sensitivity.matters for name in ("volume_fraction", "radius")] == [True, False]
     # the same box, of which the question asks for a part
     answer = ask(SQUARE, {"load": 1e4}, over={"volume_fraction": {"high": 0.7}, "radius": {}}, **target)
     assert "volume_fraction at the upper end of the range asked for" in answer.status

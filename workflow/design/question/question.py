@@ -104,6 +104,16 @@ class Question:
         return sum(not term.limited for term in self.terms)
 
     @cached_property
+    def limits(self) -> list[Term]:
+        """Terms of the limits."""
+        return self.terms[self.objectives :]
+
+    def excess(self, counts: Array) -> Array:
+        """Relative excess of every limit from values of all terms: (..., terms) -> (..., limit)."""
+        columns = [term.oriented(counts[..., self.objectives + k]) for k, term in enumerate(self.limits)]
+        return np.stack(columns, -1) if columns else np.empty((*counts.shape[:-1], 0))
+
+    @cached_property
     def searched(self) -> dict[Key, Scenarios]:
         """Scenarios of the search: corners (False), draws (True), and those of a deviation under its factors."""
         return self._scenarios(scenarios.SEARCHED, scenarios.DRAWN)
@@ -143,8 +153,7 @@ class Question:
     @cached_property
     def inequality(self) -> Array:
         """1 for a limit that a design can keep away from, 0 for one of a pair that is an equality; (limit,)."""
-        limits = [term for term in self.terms if term.limited]
-        return np.array([float(not any(term.meets(other) for other in limits)) for term in limits])
+        return np.array([float(not any(term.meets(other) for other in self.limits)) for term in self.limits])
 
     def factors(self, chosen: Scenarios) -> Factors:
         """Every factor of the factorial, over (designs, scenarios)."""

@@ -47,11 +47,9 @@ def _rank(candidate: Candidate) -> tuple[bool, float]:
 
 def _missed(passed: Candidate) -> str:
     """Why a choice that is better by the surrogate is not taken."""
-    limits = [term for term in passed.question.terms if term.limited]
     excess = _excess(passed.design, costly.affordable(passed.question)).judged
-    return (
-        f"{passed.words} is better and not taken: it misses {limits[excess.argmax()].label} by {excess.max():.2g} of it"
-    )
+    missed = passed.question.limits[excess.argmax()].label
+    return f"{passed.words} is better and not taken: it misses {missed} by {excess.max():.2g} of it"
 
 
 @dataclass(frozen=True)
@@ -80,10 +78,9 @@ class _Excess:
 
 
 def _excess(design: Question, source: Source) -> _Excess:
-    limits = [term for term in design.terms if term.limited]
-    values, cases = assessment.exactly(design, limits)
-    judged = [float(term.oriented(value)) for term, value in zip(limits, values, strict=True)]
-    return _Excess(np.array(judged), assessment.excesses(design, source), cases)
+    values, cases = assessment.exactly(design, design.limits)
+    judged = [float(term.oriented(value)) for term, value in zip(design.limits, values, strict=True)]
+    return _Excess(np.array(judged), design.excess(design.count(source, design.searched)[0]), cases)
 
 
 def _polish(candidate: Candidate) -> Candidate:
@@ -161,12 +158,9 @@ def _cheapest(candidate: Candidate) -> Candidate:
     question, design, x = candidate.question, candidate.design, candidate.best.x.copy()
     if not candidate.best.feasible or question.objectives > 1 or costly.asked(question):
         return candidate
-    limited = np.array([place for place, term in enumerate(question.terms) if term.limited], dtype=np.intp)
 
     def excess(points: Array) -> Array:
-        counts = design.at(points).count(design.exact, question.judged)
-        rows = [question.terms[place].oriented(counts[:, place]) for place in limited]
-        return np.stack(rows, -1) if rows else np.empty((len(points), 0))
+        return question.excess(design.at(points).count(design.exact, question.judged))
 
     room = np.maximum(excess(x[None])[0], -ROOM)
     for column in range(len(x)):

@@ -74,10 +74,7 @@ def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
     wanted, sets = designs.objectives, designs.searched
     exact, guessed = (designs.count(source, sets) for source in (costly.affordable(designs), designs.predicted))
     exact = costly.corrected(designs, exact, columns)
-    excess = np.stack(
-        [term.oriented(exact[:, k]) for k, term in enumerate(designs.terms) if term.limited] or [np.zeros(len(exact))]
-    )
-    feasible = np.flatnonzero(excess.max(0) <= _KEPT)
+    feasible = np.flatnonzero(designs.excess(exact).max(1, initial=-np.inf) <= _KEPT)
     variables = designs.at(designs.x[feasible]).variables | {
         name: np.full(feasible.size, value) for name, value in designs.held.items() if name in designs.target.variables
     }

@@ -62,17 +62,10 @@ def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
     return np.array(values), cases
 
 
-def excesses(design: Question, source: Source) -> Array:
-    """Relative excess of every limit at one design over the scenarios of the search; (k,)."""
-    terms, counts = design.terms, design.count(source, design.searched)[0]
-    return np.array([float(t.oriented(value)) for t, value in zip(terms, counts, strict=True) if t.limited])
-
-
 def doubts(design: Question) -> Array:
-    """Half of the 95 % interval of every limited term at one design, over its scale; (k,)."""
-    terms, reaches = design.terms, predict(design, design.searched).reaches
-    scaled = [reach / term.scale for term, reach in zip(terms, reaches, strict=True) if term.limited]
-    return np.array(scaled).reshape(-1)
+    """Half of the 95 % interval of every limited term at one design, over its scale; (limit,)."""
+    scales = np.array([term.scale for term in design.limits])
+    return np.asarray(predict(design, design.searched).reaches[design.objectives :] / scales)
 
 
 def predict(design: Question, sets: Mapping[Key, Scenarios]) -> Prediction:
@@ -314,13 +307,12 @@ def _effects(
     wanted, erred = question.objectives, around[2:]
     loss = max(float((question.terms[0].sign * (nominal_counts[0] - erred[:, 0])).max()), 0.0)
     same = np.abs(erred - nominal_counts) <= _NOTHING * np.maximum(np.abs(nominal_counts), largest)
-    margins = [-term.oriented(erred[:, k]) for k, term in enumerate(question.terms) if term.limited]
     return Sensitivity(
         elasticity=tuple(elasticity.tolist()),
         cost=float(loss / abs(whole[0])),
         loss=loss,
         matters=not np.all(same[:, :wanted]),
-        margin_left=float(np.min(margins)) if margins else np.nan,
+        margin_left=float(np.min(-question.excess(erred))) if question.limits else np.nan,
     )
 
 

@@ -78,6 +78,6 @@ def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
                 break
             low, high = shares[beyond[0]], shares[beyond[0] + 1]
             least, which = float(high), term.label
-    if not which and len(limits) < sum(term.limited for term in design.terms):
+    if not which and len(limits) < len(design.limits):
         return None  # a limit that no one case tells may stop it
     return Overload(least, which)

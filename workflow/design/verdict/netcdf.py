@@ -159,9 +159,10 @@ def answer_of(data: xr.Dataset) -> Answer:
     cases = [dict(zip(names, case, strict=True)) for case in _list(data, "worst", "term", "factor")]
     effects = _list(data, "effect", "term", "constant") or [()] * len(numbers)
     spreads = _list(data, "spread") or [np.nan] * len(numbers)
+    others: list[tuple[Any, ...]] = list(zip(cases, map(tuple, effects), spreads, strict=True))
     terms = [
-        Term(statement, *values, case, tuple(effect), spread)
-        for statement, values, case, effect, spread in zip(_stated(data), numbers, cases, effects, spreads, strict=True)
+        Term(statement, *values, *other_values)
+        for statement, values, other_values in zip(_stated(data), numbers, others, strict=True)
     ]
     slopes, errors = _list(data, "elasticity", "factor", "term"), _rows(data, _SENSITIVITY)
     sensitivities = [Sensitivity(tuple(slope), *error) for slope, error in zip(slopes, errors, strict=True)]
