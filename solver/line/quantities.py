@@ -5,10 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from approximation.arrays import Indices
+from approximation.arrays import Indices, blocks
 from solver.arrays import Array, joined
+from solver.halfplane.peakpressure import largest
 from solver.halfplane.quantities import at_edges
-from solver.line.peakpressure import peak_pressure
+from solver.line.contact import FilmContact
+from solver.line.outputs import PRESSURE, pressure_series
 from solver.line.peaks import PEAKS_OF, PeakTable
 from solver.line.similar import Films
 from solver.line.stressnets import regions as regions_of
@@ -18,6 +20,7 @@ from solver.names import RESPONSES
 from solver.twoport import Compliance
 
 _SHORT_STEPS = 20
+_PRESSURES = 4096  # cases at a time: bounded memory
 _CHARGE_CLOSE = 1e-9  # of a charge: the next step is of its square
 
 #: Cases, a table of their stresses, and their half-lengths and causes in it.
@@ -40,7 +43,7 @@ def quantities(films: Films) -> dict[str, Array]:
     }
     smooth = films.kind.smooth
     if all(smooth):
-        out["peak_pressure"] = gather(peak_pressure)
+        out["peak_pressure"] = gather(_peak_pressure)
     out |= at_edges(
         smooth,
         None if films.kind.electroded else lambda edge: gather(lambda c: c.edge_stress(edge)),
@@ -52,6 +55,16 @@ def quantities(films: Films) -> dict[str, Array]:
     if "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
     return out
+
+
+def _peak_pressure(contact: FilmContact) -> Array:
+    """Largest contact pressure [Pa] between two smooth edges; (case,)."""
+    series = pressure_series(contact.table.series[:, PRESSURE])
+    peaks = np.empty(contact.load.size)
+    for block in blocks(peaks.size, _PRESSURES):
+        log_half, causes = np.log(contact.half_width[block]), contact.causes.values[block]
+        peaks[block] = largest(contact.table.interval.read(log_half, series, causes), contact.exponent)
+    return np.asarray(peaks / contact.scale[1])
 
 
 def _responses(films: Films, field: int) -> dict[str, Array]:
