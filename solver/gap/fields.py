@@ -95,10 +95,7 @@ class AirTractions(Tractions):
         return {}
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """Hilbert transforms at points z (1, point) above the surface, as of a contact; (4, 1, point, 1).
-
-        z: (1, point), complex, X + iY.
-        """
+        """Hilbert transforms at points z = X + iY (1, point) above the surface, as of a contact; (4, 1, point, 1)."""
         result = super().on_plane(z, integrated=integrated)
         result[2:, 0, :, 0] += self.exterior_charges.transforms(z[0], integrated=integrated)
         return result
@@ -181,10 +178,7 @@ class Solved:
 
 
 def surface_fields(state: LineSolution, positions: Array) -> dict[str, Array]:
-    """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
-
-    positions: (position,), X.
-    """
+    """Fields of one case at positions X = (x - c)/h (position,), finite and never exactly +-1; (1, position) each."""
     solved, X = Solved(state, positions), positions
     system, beyond = solved.system, np.abs(positions) > 1
     c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns

@@ -209,10 +209,7 @@ def _contracted(coefficients: Array, values: Sequence[Array]) -> Array:
 
 
 def imbalance(angle: FrictionAngle, slope: Sequence[Array]) -> Array:
-    """The 1/z term of G/X(z), which vanishes for a contact with two smooth edges; (...).
-
-    slope: coefficients of G, (...) each.
-    """
+    """The 1/z term of G/X(z), 0 between two smooth edges, of the coefficients (...) of G; (...)."""
     return _coefficient(slope, _edge_series(angle.delta, (True, True), len(slope)), 0)
 
 

@@ -96,10 +96,7 @@ class Net:
         return _points(np.arccosh(1 + 2j * self.rate / width).real)
 
     def positions(self, half_lengths: Array, t: Array) -> Array:
-        """X = (x - c)/h at coordinates along the surface; (case, point).
-
-        half_lengths: (case,), h [m]; t: (point,) or (case, point), in -5 to 5, and beyond of the panels outside.
-        """
+        """X = (x - c)/h for h (case,) [m] at coordinates t along the surface, (point,) or by case; (case, point)."""
         h = half_lengths[:, None]
         near, far, size = self._near(h), self._far(h), np.abs(t)
         linear, even = (np.clip((size - start) / 2, 0.0, 1.0) for start in (1, 3))
@@ -107,10 +104,7 @@ class Net:
         return np.asarray(np.clip(t, -1.0, 1.0) + np.sign(t) * distance / h)
 
     def coordinates(self, panel: Indices, local: Array) -> Array:
-        """Coordinates t of points in panels, numbered from the left; (point,).
-
-        local: (point,), in -1 to 1.
-        """
+        """Coordinates t of points in panels, numbered from the left, at local (point,) in -1 to 1; (point,)."""
         if self.outer:
             return np.where(panel == 0, -1.0, 1.0) * (4 + 2 * self.outer) + local
         return 2.0 * panel - 4 + local
