@@ -37,7 +37,7 @@ def test_a_tip_has_the_charge_of_the_theory_of_points(material: str, expected: f
 
 
 def test_lithium_niobate_and_its_spread() -> None:
-    """13.517 and 13.444: the eigenvalue problem of `verification.oracles.anisotropic` gives both."""
+    """13.517 and 13.444: the eigenvalue problem of `verification.oracles.surface` gives both."""
     spread = modelled(ModelValue(quantity="charge_per_force", case={"material": "LiNbO3", **TIP}))
     assert 1e12 * spread.value == pytest.approx(13.444, abs=1e-3)
     assert 1e12 * spread.deviation == pytest.approx(13.517 - 13.444, abs=1e-3)
