@@ -96,10 +96,7 @@ def enough(strip: float, length: float) -> int:
 
 
 def far(wide: Kernel, x: Array, mix: Array) -> Array:
-    """Sums of channels at distances x [m], by the logarithm beyond the reach.
-
-    x: (...), m; mix: (19, c), from channels to sums.
-    """
+    """Sums ``mix`` (19, c) of channels at distances x (...) [m], by the logarithm beyond the reach; (..., c)."""
     values = wide.at(np.clip(x, -wide.reach, wide.reach), mix)
     beyond = np.abs(x) > wide.reach
     if np.any(beyond):

@@ -26,10 +26,7 @@ def body_curves(contact: Contact) -> dict[str, Array]:
 
 
 def named(stresses: Array, half_width: Array, depth: Array) -> dict[str, Array]:
-    """Fields of the region by their names, SI.
-
-    stresses: (..., 4, point), Pa; depth: (point,), over h.
-    """
+    """Fields of the region by name, SI, from stresses (..., 4, point) [Pa] at depths over h (point,)."""
     curves = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
     return curves | {"body_depth": half_width[..., None] * depth}
 

@@ -50,10 +50,7 @@ def interior_parts(contact: Contact, x: Array, y: Array, fields: tuple[str, ...]
 
 
 def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """H[S], H[D] and -H[1/sqrt(1 - X^2)]; (..., point).
-
-    z: (..., point), on or above the real axis.
-    """
+    """H[S], H[D] and -H[1/sqrt(1 - X^2)] at z (..., point), on or above the real axis; (..., point) each."""
     root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
     HS, HD_root = contact.shape.transforms(z, root, contact.pressing.slope)
     inverse = 1 / root

@@ -257,9 +257,6 @@ def _moved(read: Array, rate: Array, causes: Causes) -> Array:
 
 
 def mean_power(centre: Array, n: int) -> Array:
-    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule; (case,).
-
-    centre: (case,), c/h.
-    """
+    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2) at c/h (case,), by Gauss's rule; (case,)."""
     X, weights = mean_rule(n // 2 + 4)
     return np.asarray((X + centre[:, None]) ** n @ weights)

@@ -15,10 +15,7 @@ _VALUES = 1 << 16  # points times cases at a time
 
 
 def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-    """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, NaN in a rigid base; (case, field, y, x).
-
-    x, y: (x,), (y,), places (x - c)/h and y/h.
-    """
+    """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x)."""
     blocks = list(in_blocks(x, y))
     together = max(_VALUES // (y[blocks[0][0]].size * x[blocks[0][1]].size), 1)
     out = np.empty((films.load.size, len(names), y.size, x.size))
@@ -37,10 +34,7 @@ def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) ->
 
 
 def in_blocks(x: Array, y: Array) -> Iterator[tuple[slice, slice]]:
-    """Rows and columns of a grid, some at a time.
-
-    x, y: (x,), (y,), places of its columns and rows.
-    """
+    """Yield rows and columns of a grid of places x, (x,), and y, (y,), some at a time."""
     across = min(x.size, _ALONG)
     down = min(y.size, max(_POINTS // across, 1))
     for first in range(0, y.size, down):

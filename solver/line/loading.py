@@ -35,10 +35,7 @@ class Loading:
 
     @classmethod
     def of(cls, table: Table, profile: Profile, load: Array, charges: Array) -> Self:
-        """Return the loading of cases in SI units.
-
-        load: (case,), P [N/m]; charges: (case, 2), T and J [C/m, Wb/m].
-        """
+        """Return the loading of cases of P (case,) [N/m] and of T and J (case, 2) [C/m, Wb/m], in SI units."""
         scale = table.system.kernel.stack.scale
         slope = np.zeros((load.size, table.system.degree + 1))
         for k, coefficient in enumerate(profile.slope):
@@ -55,10 +52,7 @@ class Loading:
         return sum(self.smooth) - 1
 
     def at(self, half: Array, centre: Array) -> Causes:
-        """Causes at contacts.
-
-        half, centre: (case,) or (case, node), half-length h and c/h.
-        """
+        """Causes at contacts of half-length h and c/h, (case,) or (case, node) each."""
         axes = (slice(None), *(None,) * (half.ndim - 1))
         powers, by_width, by_centre = slopes([*np.moveaxis(self.slope[axes], -1, 0)], half, centre)
         loads = self.loads[axes] / half[..., None]

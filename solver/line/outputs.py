@@ -6,6 +6,7 @@ L = b of the kernels.
 """
 
 import numpy as np
+from scipy.fft import dct
 
 from solver.arrays import Array
 from solver.line.assembly import EDGES, Assembly
@@ -20,6 +21,8 @@ INTENSITY = slice(6, 10)  # D_y trailing, leading; B_y trailing, leading
 EDGE_STRESS = slice(10, 12)  # sigma_xx just outside the trailing and the leading edge, if smooth
 PRESSURE = slice(12, 12 + SAMPLES.size)  # p / w at SAMPLES
 COUNT = PRESSURE.stop
+
+_NEGLIGIBLE = 1e-13  # of the largest coefficient of the pressure
 
 
 def outputs(assembly: Assembly) -> Array:
@@ -69,3 +72,11 @@ def _edge_stress(assembly: Assembly) -> Array:
     strain = np.array(assembly.gradients[:, 3])
     strain[..., : basis.pressures] -= c.tangential * c.friction * basis.local(EDGES)
     return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain * np.array(basis.smooth)[:, None])
+
+
+def pressure_series(samples: Array) -> Array:
+    """Chebyshev series in X without its negligible end, by values at ``SAMPLES``, (case, sample, ...)."""
+    series = dct(samples, type=1, axis=1) / (samples.shape[1] - 1)
+    series[:, [0, -1]] /= 2
+    size = np.max(np.abs(series), axis=(0, *range(2, series.ndim)))
+    return np.asarray(series[:, : int(np.flatnonzero(size > _NEGLIGIBLE * np.max(size))[-1]) + 1])

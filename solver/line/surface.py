@@ -55,10 +55,7 @@ class SurfaceTable:
 
 
 def of_local(system: System, whole: Array) -> dict[str, Array]:
-    """Fields of ``solver.fields.FIELDS`` from what :func:`local_fields` tells; (case, position) each, SI.
-
-    whole: (case, 6, position), sums over the unknowns, in the units of the stack.
-    """
+    """Fields of ``FIELDS``, SI, from sums (case, 6, position) of :func:`local_fields`; (case, position) each."""
     half, scale = system.sliding.halfplane, system.kernel.stack.scale
     t = whole[:, _TRACTIONS] / scale[1:, None]
     gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
@@ -113,10 +110,7 @@ def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> Su
 
 
 def fields(films: Films, positions: Array) -> dict[str, Array]:
-    """Fields of ``solver.fields.FIELDS``; (case, position) each.
-
-    positions: (position,), X = (x - c)/h, finite and never exactly +-1.
-    """
+    """Fields of ``solver.fields.FIELDS`` at X = (x - c)/h, finite and never exactly +-1; (case, position) each."""
     count = films.load.size
     out = {name: np.empty((count, positions.size)) for name in FIELDS}
     block = _VALUES // min(positions.size, _POSITIONS)

@@ -117,10 +117,7 @@ class Table:
 
 
 def at(system: System, half_lengths: Array) -> Array:
-    """Outputs, batched over half-lengths of like size; (half, output, cause).
-
-    half_lengths: (half,), m.
-    """
+    """Outputs at half-lengths (half,) [m], batched over those of like size; (half, output, cause)."""
     out: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
     for basis, members in batches(system, half_lengths):
         out[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))

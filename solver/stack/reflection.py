@@ -41,10 +41,7 @@ class LayerWaves:
 
 
 def waves(stack: Stack, k: Array) -> list[LayerWaves]:
-    """Waves of every layer, the top one first; (k,).
-
-    k: (k,), wavenumbers > 0 [1/m].
-    """
+    """Waves of every layer, the top one first, at wavenumbers k > 0 (k,) [1/m]."""
     Y = np.zeros((k.size, 4, 4))
     if stack.base_medium is not None:
         Y += stack.base_medium.compliance
@@ -110,10 +107,7 @@ def _quotient(displacement: Array, traction: Array) -> Array:
 
 
 def held(Y: Array, components: tuple[int, ...]) -> Array:
-    """The body below an interface that holds components of u at zero: its Y for the others; (..., 4, 4).
-
-    Y: (..., 4, 4), of the body.
-    """
+    """Y of a body (..., 4, 4) below an interface that holds components of u at zero, for the others; (..., 4, 4)."""
     for c in components:
         pivot = Y[..., c, c]
         share = Y[..., :, c] / np.where(pivot == 0, 1.0, pivot)[..., None]

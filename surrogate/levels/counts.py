@@ -15,10 +15,11 @@ from types import MappingProxyType
 import numpy as np
 import xarray as xr
 
-from approximation.arrays import Array
+from approximation.arrays import Array, Indices
 from approximation.chebyshev import coefficients
-from surrogate.data.factorial import complete_factorial
+from surrogate.data.factorial import complete_factorial, output_names
 from surrogate.data.inputs import Input
+from surrogate.gp.crossgp import CrossGP
 from surrogate.levels.decay import Decay, decay_of
 
 MOST_LEVELS = 256
@@ -56,9 +57,45 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
     """Judge the decay of every output along every input."""
     factorial = complete_factorial(data, inputs, outputs)
     names = [input_.name for input_ in factorial.inputs]
-    return {
-        name: dict(zip(names, map(decay_of, _lines(values)), strict=True)) for name, values in factorial.outputs.items()
+    judged = {}
+    for output, values in factorial.outputs.items():
+        size = float(np.ptp(values)) or 1.0
+        along = [_largest(values[..., None], axis)[:, 0] / size for axis in range(values.ndim)]
+        judged[output] = dict(zip(names, map(decay_of, along), strict=True))
+    return judged
+
+
+def decays_of_lines(model: CrossGP, X: xr.Dataset) -> Decays:
+    """Judge the same decays from the cases of a crossed model: from all lines of whole levels among them."""
+    known = model.blocks(X)
+    indices, blocks = np.array(list(known), dtype=np.intp), np.stack(list(known.values()))
+    spread = np.ptp(blocks, axis=(0, 1))
+    values = blocks / np.where(spread > 0, spread, 1.0)
+    whole = values.reshape(len(values), *(model.levels[name] for name in model.whole), values.shape[-1])
+    columns = {
+        name: _largest(_whole_lines(indices, values, k, model.levels[name]), 1) for k, name in enumerate(model.crossed)
     }
+    columns |= {name: _largest(whole, 1 + k) for k, name in enumerate(model.whole)}
+    return {
+        output: {name: decay_of(columns[name][:, p]) for name in model.levels}
+        for p, output in enumerate(output_names(X, model.outputs, exclude=tuple(model.levels)))
+    }
+
+
+def _largest(values: Array, axis: int) -> Array:
+    """Largest Chebyshev coefficients along an axis over all others but the last, (n, p), of values (..., p)."""
+    along = np.moveaxis(coefficients(values, axis), axis, 0)
+    return np.asarray(np.abs(along).reshape(values.shape[axis], -1, values.shape[-1]).max(axis=1))
+
+
+def _whole_lines(indices: Indices, values: Array, k: int, size: int) -> Array:
+    """Values along all lines of an index that have all of it: (lines, size, b, p)."""
+    others = np.delete(indices, k, axis=1)
+    _, line = np.unique(others, axis=0, return_inverse=True)
+    order = np.lexsort((indices[:, k], line.ravel()))
+    counts = np.bincount(line.ravel())
+    complete = np.repeat(counts == size, counts)
+    return np.asarray(values[order[complete]].reshape(-1, size, *values.shape[1:]))
 
 
 def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
@@ -124,17 +161,6 @@ def evidence(decays: Decays, counts: Mapping[str, int]) -> xr.Dataset:
         },
         coords={"output": list(decays), "input": names, "mode": np.arange(modes)},
     )  # fmt: skip
-
-
-def _lines(values: Array) -> list[Array]:
-    """Largest Chebyshev coefficient along every axis over all lines of the factorial, over the range of the values."""
-    spread = float(np.ptp(values))
-    size = spread if spread > 0 else 1.0
-    largest = []
-    for axis, n in enumerate(values.shape):
-        along = np.moveaxis(coefficients(values, axis), axis, -1)
-        largest.append(np.abs(along).reshape(-1, n).max(axis=0) / size)
-    return largest
 
 
 def _smallest(judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int] | None:

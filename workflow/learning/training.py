@@ -7,7 +7,7 @@ import xarray as xr
 from storage.described import described
 from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.levels import counts, lines
+from surrogate.levels import counts
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import validation
 from workflow.dataset import batches, factorial
@@ -81,7 +81,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     by = groups_of(model)
     reduced = factorial.scaled(study, quantities, by)
     if study.crossed:
-        decays = lines.decays(_crossing(study), reduced)
+        decays = counts.decays_of_lines(_crossing(study), reduced)
     else:
         decays = counts.decays(reduced, factorial.axis_inputs(study), study.output_names)
     if by is not None:

@@ -9,7 +9,7 @@ from surrogate import GridGP
 from surrogate.gp import correction, imputation
 from surrogate.gp.correction import Correction, correct, degrees
 from surrogate.gp.factors import Factor
-from surrogate.intervals.sharing import places, sharing
+from surrogate.intervals.guard import places, sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 

@@ -10,7 +10,7 @@ import xarray as xr
 from approximation.arrays import Array
 from surrogate import CrossGP, GridGP, Input, load, save
 from surrogate.gp.crossgp import Cross, Crossed, run
-from surrogate.levels import counts, lines
+from surrogate.levels import counts
 from surrogate.use.sensitivity import sobol
 
 SIZES = (7, 6, 5, 4)
@@ -114,7 +114,7 @@ def test_its_file_is_that_of_a_grid(model: CrossGP, tmp_path: Path) -> None:
 
 
 def test_lines_of_the_cases_decay_as_those_of_the_grid(cases: xr.Dataset, grid: xr.Dataset) -> None:
-    line_decays, grid_decays = lines.decays(crossing(), cases), counts.decays(grid, BOX)
+    line_decays, grid_decays = counts.decays_of_lines(crossing(), cases), counts.decays(grid, BOX)
     assert list(line_decays) == list(grid_decays)
     for output, along in grid_decays.items():
         for name, decay in along.items():

@@ -14,7 +14,7 @@ from approximation.arrays import Array, Flags
 from surrogate import GridGP, ScatterGP
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.conformal import calibrate, quantile_regression
-from surrogate.intervals.sharing import sharing
+from surrogate.intervals.guard import sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 

@@ -23,7 +23,7 @@ from workflow.design.verdict import assessment, linearity, merit
 from workflow.design.verdict import assessment as sensitivity
 from workflow.language import statements, statistics
 from workflow.language.grammar import parse
-from workflow.study.keys import Origin
+from workflow.study.contents import Origin
 from workflow.study.model import Study, remade
 
 HERTZ = {"friction": 0.0}  # then the largest pressure goes as the root of load over radius

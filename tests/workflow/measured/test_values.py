@@ -67,7 +67,7 @@ def test_values_are_those_of_theory(
 
 
 def test_other_published_constants_spread_a_value() -> None:
-    """13.517 and 13.444: the eigenvalue problem of `verification.oracles.anisotropic` gives both."""
+    """13.517 and 13.444: the eigenvalue problem of `verification.oracles.surface` gives both."""
     niobate = modelled(ModelValue(quantity="charge_per_force", case={"material": "LiNbO3", **TIP}))
     assert [1e12 * niobate.value, 1e12 * niobate.deviation] == pytest.approx([13.444, 13.517 - 13.444], abs=1e-3)
     assert niobate.sets == 1

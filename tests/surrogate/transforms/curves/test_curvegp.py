@@ -15,7 +15,7 @@ from surrogate import CurveGP
 from surrogate.face.persistence import ENGINES, nested, restored
 from surrogate.transforms.curves.basis import Basis
 from surrogate.transforms.curves.landscape import Landscape
-from surrogate.transforms.outputs import Scaling
+from surrogate.transforms.groups import Scaling
 from surrogate.use import validation
 from surrogate.use.sensitivity import sobol
 from tests.surrogate.curved import INPUTS, OUTPUTS, data, fields, fitted, fitted_over_groups
