@@ -7,7 +7,7 @@ Jacobian (r, groups * draws) of the rows by the values.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache, singledispatch
+from functools import cache
 
 import numpy as np
 import scipy  # scipy.special, slow to import, and not every job answers a question
@@ -108,19 +108,10 @@ class RelativeDeviation(RiskMeasure):
         return whole.reshape(2 * values.size, -1)
 
 
-@singledispatch
 def measure(statistic: statistics.Statistic, sign: float) -> RiskMeasure:
     """Return the risk measure of an objective's statistic."""
-    raise NotImplementedError(f"no risk measure for {statistic}")
-
-
-@measure.register
-def _(statistic: statistics.Worst, sign: float) -> RiskMeasure:
-    return WorstCase()
-
-
-@measure.register
-def _(statistic: statistics.Mean, sign: float) -> RiskMeasure:
+    if isinstance(statistic, statistics.Worst):
+        return WorstCase()
     return MeanDeviation(-sign * statistic.deviations)
 
 
