@@ -22,8 +22,7 @@ from workflow.cli.textfile import write_columns
 from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
-from workflow.device.signal import DROP, GONE, Figures, History, Signal, read
-from workflow.device.warmth import Warmth
+from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest

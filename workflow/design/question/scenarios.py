@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from approximation.arrays import Array
 from approximation.sobol import sobol_points
-from workflow.design.question.terms import Term
+from workflow.design.question.risk import Term
 from workflow.study.target import Target
 
 #: Nodes a factor of a tensor of ranges, by the number of factors, while searching and while judging the outcome.
