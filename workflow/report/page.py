@@ -152,7 +152,7 @@ def _environment() -> Environment:
     environment.filters |= {
         "number": number,
         "seconds": _seconds,
-        "words": _words,
+        "words": lambda name: name.replace("_", " "),
         "title": title,
         "capital": capital,
         "share": _share,
@@ -254,8 +254,3 @@ def _seconds(value: float) -> str:
 def _share(part: float, digits: int) -> str:
     """A share of a whole in percent; what is next to none is none."""
     return f"{number(100 * part, digits) if abs(part) >= _LEAST else 0} %"
-
-
-def _words(name: str) -> str:
-    """A name of the interface as words."""
-    return name.replace("_", " ")

@@ -85,7 +85,7 @@ class Question:
         return terms
 
     def _measure(self, statement: Objective | Limit) -> RiskMeasure:
-        """How a statement counts scenarios; a deviation has the weights of its means over each set of them."""
+        """Risk measure of a statement; that of a deviation has the weights of its means over each set of scenarios."""
         if statement.deviation:
             names = self.target.deviating(statement)
             sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, self._judged_nodes)]
