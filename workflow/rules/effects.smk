@@ -6,13 +6,13 @@ rule effect:
         "results/{study}/fields/effect_{name}.nc",
     params:
         study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/effect.py"),
+        code=provenance.code("workflow/scripts/effects.py"),
     log:
         "logs/{study}/effect/{name}.log",
     benchmark:
         "logs/{study}/effect/{name}.tsv"
     script:
-        "../scripts/effect.py"
+        "../scripts/effects.py"
 
 
 rule sweeps:
@@ -37,13 +37,13 @@ rule map:
         "results/{study}/fields/map_{name}.nc",
     params:
         study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/map.py"),
+        code=provenance.code("workflow/scripts/effects.py"),
     log:
         "logs/{study}/map/{name}.log",
     benchmark:
         "logs/{study}/map/{name}.tsv"
     script:
-        "../scripts/map.py"
+        "../scripts/effects.py"
 
 
 rule spread:
@@ -51,13 +51,13 @@ rule spread:
         "results/{study}/fields/spread_{name}.nc",
     params:
         study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/spread.py"),
+        code=provenance.code("workflow/scripts/effects.py"),
     log:
         "logs/{study}/spread/{name}.log",
     benchmark:
         "logs/{study}/spread/{name}.tsv"
     script:
-        "../scripts/spread.py"
+        "../scripts/effects.py"
 
 
 rule interior:
@@ -65,10 +65,10 @@ rule interior:
         "results/{study}/fields/interior_{name}.nc",
     params:
         study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/interior.py"),
+        code=provenance.code("workflow/scripts/effects.py"),
     log:
         "logs/{study}/interior/{name}.log",
     benchmark:
         "logs/{study}/interior/{name}.tsv"
     script:
-        "../scripts/interior.py"
+        "../scripts/effects.py"
