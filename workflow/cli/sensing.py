@@ -1,6 +1,7 @@
 """``meecontact signal``: a history of forces to what an amplifier reads, as a table, and its figures in words."""
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -59,7 +60,7 @@ def signal(options: argparse.Namespace) -> None:
     if bare:
         _check_unit(options.history, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
-    contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
+    contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
         circuit = Circuit.of(numbers, material)
     if contact.roughness > _ROUGH:
