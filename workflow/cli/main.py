@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn, TextIO
+from typing import Any, NamedTuple, NoReturn
 
 from workflow.cli.words import cores, printable_streams, say, surrogate_file, written_as
 from workflow.language.spelling import nearest
@@ -316,6 +316,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.command is None:
         parser.print_help()
         return 0
+    from numpy.linalg import LinAlgError
+
     from solver import PrecisionWarning, SmallStrainWarning
     from solver.threads import one_thread
 
@@ -323,7 +325,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
             warnings.simplefilter("ignore", SmallStrainWarning)  # of a design the verdict says it
-            warnings.showwarning = _warned
+            warnings.showwarning = lambda message, *_: say(f"meecontact: warning: {message}")
             module, _, name = options.function.partition(".")
             return int(getattr(import_module(f"workflow.cli.{module}"), name)(options) or 0)
     except InputError as error:
@@ -333,10 +335,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     except OSError as error:
         return _refuse(f"{error.filename}: {error.strerror}" if error.filename else error)
+    except LinAlgError as error:
+        return _refuse(f"constants beyond what double precision can solve ({error})")
     except _refusals() as error:
         return _refuse(f"{error}{_aside(options, error)}")
-    except _unsolvable() as error:
-        return _refuse(f"constants beyond what double precision can solve ({error})")
 
 
 def _refuse(reason: object) -> int:
@@ -362,12 +364,6 @@ def _refusals() -> tuple[type[Exception], ...]:
     return FactorError, MaterialError, OutOfBoxError, FormatError
 
 
-def _unsolvable() -> type[Exception]:
-    from numpy.linalg import LinAlgError
-
-    return LinAlgError
-
-
 def _aside(options: argparse.Namespace, error: Exception) -> str:
     """Return a hint behind an error: the option for a material that the library lacks."""
     text = str(error)
@@ -375,18 +371,6 @@ def _aside(options: argparse.Namespace, error: Exception) -> str:
         return ""
     joint = "" if text.endswith("?") else ";"
     return f"{joint} an own one: --materials FILE.yaml; all that are built in: meecontact list materials"
-
-
-def _warned(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
-    """Print a warning of the solver (:class:`solver.PrecisionWarning`) in one line."""
-    say(f"meecontact: warning: {message}")
 
 
 def _parser() -> Parser:

@@ -1,16 +1,12 @@
 """``meecontact query``: predictions of a surrogate, printed or as a table, with exact answers on request."""
 
 import argparse
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from math import floor, isfinite, log10
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 import surrogate
 from solver.units import prefixed
@@ -19,6 +15,7 @@ from surrogate import GaussianProcess, OutOfBoxError
 from surrogate.data.points import outside
 from surrogate.intervals.distribution import NOMINAL
 from workflow.cli.casetable import Table, read_cases
+from workflow.cli.textfile import write_columns
 from workflow.cli.words import place, say, trained
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, located, one_line
@@ -26,7 +23,6 @@ from workflow.study.reading import InputError, located, one_line
 if TYPE_CHECKING:
     from workflow.study.model import Study
 
-_ROWS = 4096  # of an answer that are written at a time
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
 _DIGITS, _WRITTEN_FEWEST, _WRITTEN_MOST = 10, 4, 15
 
@@ -56,7 +52,9 @@ def query(options: argparse.Namespace) -> None:
     if options.output is None:
         _print_answer(answer, list(model.outputs_), level, si=options.si)
     else:
-        _write_answer(options.output, table.columns, answer)
+        flags = answer.assign({name: flag.astype(int) for name, flag in answer.items() if flag.dtype == bool})
+        with writing(options.output) as file:
+            write_columns(file, table.columns | {str(name): array.values for name, array in flags.items()})
         say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
 
 
@@ -130,19 +128,6 @@ def _exact(exact: xr.DataArray, *, si: bool) -> str:
     value, units = float(exact.values[0]), str(exact.attrs.get("units", ""))
     scale, text = (1.0, units) if si else prefixed(abs(value), units)
     return f"{value / scale:.10g} {text}".rstrip()
-
-
-def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dataset) -> None:
-    columns = {**points, **{str(name): answer[name].values for name in answer.data_vars}}
-    with writing(path) as file:
-        header = io.StringIO()
-        csv.writer(header, lineterminator="\n").writerow(columns)
-        file.write(header.getvalue().encode())
-        for begin in range(0, answer.sizes["point"], _ROWS):
-            block = [values[begin : begin + _ROWS] for values in columns.values()]
-            plain = [column.astype(int if column.dtype == bool else float).tolist() for column in block]
-            lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
-            file.write("".join(lines).encode())
 
 
 def predicted(

@@ -1,8 +1,6 @@
 """``meecontact solve`` and ``meecontact interior``: a table of cases, and its exact answer as a file."""
 
 import argparse
-import csv
-import io
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -40,9 +38,9 @@ from solver.units import written
 from storage.files import output, writing
 from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, one_case, read_blocks, read_cases
+from workflow.cli.textfile import write_columns
 from workflow.cli.words import numbers, say
 from workflow.language.given import DESTROYED, lost_unit
-from workflow.language.wordings import plain
 from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
@@ -122,8 +120,7 @@ def _written(options: argparse.Namespace, materials: Mapping[str, Material], col
                 raise _FurtherColumnsError
             if not count:
                 columns |= units
-                file.write(_heading(columns).encode())
-            file.write(_as_rows(out, list(columns)).encode())
+            write_columns(file, _columns(out, columns), headed=not count)
             lacking, partly = _lacking(table, out)
             heat = heat or out.attrs.get("heat", "")
             partial |= dict.fromkeys([*partly, *(name for name in columns if name not in out)])
@@ -390,18 +387,11 @@ def _units(answer: xr.Dataset) -> dict[str, str]:
     }
 
 
-def _heading(units: Mapping[str, str]) -> str:
-    """The first row of a table."""
-    return ",".join(name if unit == "1" else f"{name} [{unit}]" for name, unit in units.items()) + "\n"
-
-
-def _as_rows(answer: xr.Dataset, names: Sequence[str]) -> str:
-    """The rows of an answer as text; empty in columns that it lacks."""
-    count, text = answer.sizes["case"], io.StringIO()
-    cells = [
-        np.broadcast_to(answer[name].values, count).tolist() if name in answer.variables else [""] * count
-        for name in names
-    ]
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerows([["" if cell != cell else plain(cell) for cell in row] for row in zip(*cells, strict=True)])
-    return text.getvalue()
+def _columns(answer: xr.Dataset, units: Mapping[str, str]) -> dict[str, NDArray[Any]]:
+    """Columns of an answer as a table, by their headings; empty where it lacks them."""
+    return {
+        name if unit == "1" else f"{name} [{unit}]": np.broadcast_to(
+            answer[name].values if name in answer.variables else "", answer.sizes["case"]
+        )
+        for name, unit in units.items()
+    }

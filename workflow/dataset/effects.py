@@ -91,10 +91,6 @@ def maps(study: Study, factor: str) -> xr.Dataset:
     return out.assign_attrs(title=f"effect of {factor} on the contact", fields="contact_pressure electric_displacement")
 
 
-#: What files of results hold of a study and a factor, as the names of both in theirs tell.
-KINDS = {"effect": effect, "interior": interior, "map": maps, "spread": spread}
-
-
 def _few(values: list[Any]) -> list[Any]:
     """First, middle and last value of a factor."""
     return [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]

@@ -12,7 +12,7 @@ from pathlib import Path
 from urllib.request import url2pathname
 
 from workflow.language.spelling import nearest
-from workflow.run.sources import ROOT
+from workflow.run.provenance import ROOT
 from workflow.study.reading import InputError
 
 FOLDER = Path("config")

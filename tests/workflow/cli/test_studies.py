@@ -13,7 +13,7 @@ from solver.names import ALL_QUANTITIES
 from workflow.cli import studies
 from workflow.cli.main import main
 from workflow.cli.progress import Progress, busy, followed, step
-from workflow.run.sources import ROOT
+from workflow.run.provenance import ROOT
 from workflow.study.model import load
 from workflow.study.reading import InputError, read_yaml
 
@@ -95,7 +95,7 @@ def told(shown: Progress) -> list[bool]:
 def test_a_log_has_a_line_a_step_and_a_terminal_one_line_in_all() -> None:
     study = load("config/quickstart.yaml")
     for stream in (io.StringIO(), Terminal()):
-        shown = Progress(lambda rule, wildcards: step(study, rule, wildcards), stream)
+        shown = Progress(study, stream)
         assert told(shown) == [False] * 5 + [True] * 2
         fitting = "fitting the surrogate (21 quantities, 41,600 cases)"
         if stream.isatty():

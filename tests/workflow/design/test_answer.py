@@ -13,10 +13,22 @@ import xarray as xr
 
 from storage.netcdf import read_whole, write_whole
 from workflow.design.verdict import multipliers, netcdf
-from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
+from workflow.design.verdict.answer import (
+    Answer,
+    Category,
+    Choice,
+    Constant,
+    End,
+    Figure,
+    Overload,
+    Range,
+    Role,
+    Sensitivity,
+    Term,
+    Tolerated,
+    Variable,
+)
 from workflow.design.verdict.leftout import LeftOut
-from workflow.design.verdict.term import Term
-from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.design.wording import table, words
 from workflow.language import statements
 

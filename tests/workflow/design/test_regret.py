@@ -12,7 +12,7 @@ from tests import studies
 from workflow.design.question import costly
 from workflow.design.search import targets
 from workflow.design.search.candidate import Candidate
-from workflow.run.sources import ROOT
+from workflow.run.provenance import ROOT
 from workflow.study.model import Study, load
 
 STUDIES = ("actuator", "catalogue", "quickstart", "sensor")

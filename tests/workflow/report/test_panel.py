@@ -268,7 +268,10 @@ def test_limits_within_tolerances_are_judged_as_python_judges_them(
         limits = seen["judged"][link]
         assert [entry["limit"] for entry in limits] == list(expected)
         for entry, (value, room, bound) in zip(limits, expected.values(), strict=True):
-            verdicts.add(entry["verdict"])
+            excess, reach = float(entry["value"]) - bound, float(entry["room"])
+            words = "broken" if excess > reach else "held" if excess < -reach else "on the limit"
+            assert entry["verdict"].startswith(words)
+            verdicts.add(words)
             rounded = 2 * 200 * ERROR * abs(value)  # of two ranges, one 200 times larger
             assert float(entry["value"]) == pytest.approx(value, abs=rounded)
             assert (1 - 2e-5) * room - 2e-12 * abs(bound) <= float(entry["room"]) <= (1 + 2e-5) * room + rounded

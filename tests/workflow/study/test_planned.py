@@ -14,7 +14,7 @@ from tests.workflow.conftest import SMALL, Copy, Project, job
 from workflow.run import lock
 from workflow.run.provenance import ROOT
 from workflow.study import partition, planned
-from workflow.study.keys import BOX, PHYSICS
+from workflow.study.contents import BOX, PHYSICS
 from workflow.study.model import Study, load, named, thawed
 from workflow.study.reading import InputError
 

@@ -12,8 +12,7 @@ from tests.studies import made, refusal
 from workflow.dataset.effects import effect
 from workflow.language import grammar
 from workflow.study import defaults
-from workflow.study.contents import Contents
-from workflow.study.keys import Origin
+from workflow.study.contents import Contents, Origin
 from workflow.study.model import Study
 
 #: A half-plane, whose tables are small.

@@ -7,7 +7,7 @@ Jacobian (r, groups * draws) of the rows by the values.
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache, singledispatch
+from functools import cache
 
 import numpy as np
 import scipy  # scipy.special, slow to import, and not every job answers a question
@@ -15,9 +15,14 @@ import scipy  # scipy.special, slow to import, and not every job answers a quest
 from approximation.arrays import Array
 from workflow.language import statistics
 
+#: What tells the sets of scenarios of a question apart: draws or not, or the factors of a deviation.
+Key = bool | tuple[str, ...]
+
 
 class RiskMeasure(ABC):
     """A way to count scenarios."""
+
+    key: Key = True  # the set of scenarios that is counted
 
     @abstractmethod
     def rows(self, values: Array) -> Array:
@@ -30,6 +35,8 @@ class RiskMeasure(ABC):
 
 class WorstCase(RiskMeasure):
     """Every scenario a row of its own: the worst of them decides."""
+
+    key = False
 
     def rows(self, values: Array) -> Array:
         """The values themselves."""
@@ -80,6 +87,7 @@ class RelativeDeviation(RiskMeasure):
 
     # What each draw of a group weighs in its mean, (draws,), by how many there are; equally much where it is empty
     shares: Mapping[int, Array] = field(default_factory=dict)
+    key: Key = ()  # the factors over which the deviation is taken
 
     def _share(self, draws: int) -> Array:
         return self.shares.get(draws, np.full(draws, 1 / draws))
@@ -100,19 +108,10 @@ class RelativeDeviation(RiskMeasure):
         return whole.reshape(2 * values.size, -1)
 
 
-@singledispatch
 def measure(statistic: statistics.Statistic, sign: float) -> RiskMeasure:
     """Return the risk measure of an objective's statistic."""
-    raise NotImplementedError(f"no risk measure for {statistic}")
-
-
-@measure.register
-def _(statistic: statistics.Worst, sign: float) -> RiskMeasure:
-    return WorstCase()
-
-
-@measure.register
-def _(statistic: statistics.Mean, sign: float) -> RiskMeasure:
+    if isinstance(statistic, statistics.Worst):
+        return WorstCase()
     return MeanDeviation(-sign * statistic.deviations)
 
 

@@ -8,24 +8,11 @@ from numpy.typing import NDArray
 from approximation.arrays import Array
 from workflow.design.question import risk
 from workflow.language.expressions import Expression
-from workflow.language.statements import Limit, Objective
-from workflow.language.statistics import Statistic
 
 #: Margin below which a limit binds.
 BINDS = 1e-3
 _MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
 _REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
-
-#: What tells the sets of scenarios of a question apart: draws or not, or the factors of a deviation.
-Key = bool | tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """Factors and risk measure of a deviation."""
-
-    along: tuple[str, ...]  # The factors
-    measure: risk.RelativeDeviation  # With the weights of their means
 
 
 @dataclass(frozen=True)
@@ -36,16 +23,9 @@ class Term:
     expression: Expression  # What is computed
     sign: float  # An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound
     measure: risk.RiskMeasure  # How scenarios count: the risk measure
-    drawn: bool  # Whether the scenarios are draws of the distributions rather than the corners of all ranges
     bound: float = np.nan  # Limit, NaN for an objective
     scale: float = 1.0  # Size of the bound, or of the expression where the bound is zero
     unitless: bool = False  # Whether the bound was written without the unit that the expression has
-    along: tuple[str, ...] = ()  # The factors over which a deviation is taken, which have scenarios of their own
-
-    @property
-    def key(self) -> Key:
-        """Key of the question's set of scenarios over which the term counts."""
-        return self.along or self.drawn
 
     @property
     def limited(self) -> bool:
@@ -97,24 +77,3 @@ class Term:
         if not self.limited:
             return np.asarray(self.sign * rows)
         return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)
-
-
-def wanted(objective: Objective, statistic: Statistic, over: Deviation | None = None) -> Term:
-    """The term of an objective."""
-    sign = objective.sign
-    if over is not None:
-        return Term(str(objective), objective.expression, sign, over.measure, drawn=False, along=over.along)
-    return Term(str(objective), objective.expression, sign, risk.measure(statistic, sign), statistic.drawn)
-
-
-def limited(limit: Limit, scale: float, bound: float, over: Deviation | None = None, *, drawn: bool = True) -> Term:
-    """The term of a limit."""
-    measure: risk.RiskMeasure = risk.WorstCase()
-    promised = limit.probability if drawn else None
-    if over is not None:
-        measure = over.measure
-    elif promised is not None:
-        measure = risk.Quantile(promised if limit.upper else 1 - promised)
-    size, along = abs(bound) or scale, over.along if over else ()
-    random = promised is not None
-    return Term(str(limit), limit.expression, limit.sign, measure, random, bound, size, limit.unitless, along)

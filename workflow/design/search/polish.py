@@ -1,5 +1,6 @@
 """Polish of candidates on the exact solver: limits are shifted until a design stands its verdict."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,8 +12,7 @@ from workflow.design.question.question import Question
 from workflow.design.question.sources import Source
 from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
-from workflow.design.verdict.answer import ROOM
-from workflow.design.verdict.term import ROUNDING
+from workflow.design.verdict.answer import ROOM, ROUNDING
 
 _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _SAFETY = 1e-10  # relative safety margin, beyond rounding
@@ -23,13 +23,13 @@ _LOST = 1e-6  # share of the objective that safety margins may cost
 _RETREATS = 3  # steps back behind limits that many more scenarios judge
 
 
-def first_feasible(ranked: list[Candidate]) -> Candidate:
+def first_feasible(candidates: Iterable[Candidate]) -> Candidate:
     """The best choice that stays feasible on the exact solver, or else the first one, polished.
 
     Better choices that no polish brings within their limits are told in its words and kept in ``passed``.
     """
     passed: list[Candidate] = []
-    for candidate in ranked:
+    for candidate in sorted(candidates, key=_rank, reverse=True):
         polished = _cheapest(_polish(candidate))
         if polished.best.feasible:
             return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
@@ -39,13 +39,17 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
     return passed[0]
 
 
+def _rank(candidate: Candidate) -> tuple[bool, float]:
+    """Feasible before infeasible; then the objective, or the least violation."""
+    best = candidate.best
+    return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
+
+
 def _missed(passed: Candidate) -> str:
     """Why a choice that is better by the surrogate is not taken."""
-    limits = [term for term in passed.question.terms if term.limited]
     excess = _excess(passed.design, costly.affordable(passed.question)).judged
-    return (
-        f"{passed.words} is better and not taken: it misses {limits[excess.argmax()].label} by {excess.max():.2g} of it"
-    )
+    missed = passed.question.limits[excess.argmax()].label
+    return f"{passed.words} is better and not taken: it misses {missed} by {excess.max():.2g} of it"
 
 
 @dataclass(frozen=True)
@@ -74,10 +78,9 @@ class _Excess:
 
 
 def _excess(design: Question, source: Source) -> _Excess:
-    limits = [term for term in design.terms if term.limited]
-    values, cases = assessment.exactly(design, limits)
-    judged = [float(term.oriented(value)) for term, value in zip(limits, values, strict=True)]
-    return _Excess(np.array(judged), assessment.excesses(design, source), cases)
+    values, cases = assessment.exactly(design, design.limits)
+    judged = [float(term.oriented(value)) for term, value in zip(design.limits, values, strict=True)]
+    return _Excess(np.array(judged), design.excess(design.count(source, design.searched)[0]), cases)
 
 
 def _polish(candidate: Candidate) -> Candidate:
@@ -155,12 +158,9 @@ def _cheapest(candidate: Candidate) -> Candidate:
     question, design, x = candidate.question, candidate.design, candidate.best.x.copy()
     if not candidate.best.feasible or question.objectives > 1 or costly.asked(question):
         return candidate
-    limited = np.array([place for place, term in enumerate(question.terms) if term.limited], dtype=np.intp)
 
     def excess(points: Array) -> Array:
-        counts = design.at(points).count(design.exact, question.judged)
-        rows = [question.terms[place].oriented(counts[:, place]) for place in limited]
-        return np.stack(rows, -1) if rows else np.empty((len(points), 0))
+        return question.excess(design.at(points).count(design.exact, question.judged))
 
     room = np.maximum(excess(x[None])[0], -ROOM)
     for column in range(len(x)):

@@ -3,9 +3,8 @@
 import numpy as np
 
 from workflow.design.question.terms import BINDS
-from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.answer import ROUNDING, Answer, Term
 from workflow.design.verdict.merit import MOST_LOAD
-from workflow.design.verdict.term import ROUNDING, Term
 from workflow.language import given, titles
 from workflow.language.constants import FIGURES
 from workflow.language.numbers import number, shown
@@ -21,13 +20,12 @@ def tolerated(answer: Answer) -> str:
     variables, cost = [variable for variable in answer.variables if variable.tolerance], answer.tolerated
     if not variables or cost is None:
         return ""
-    bands = [f"{variable.title} ± {given.told(variable.name, variable.tolerance)}" for variable in variables]
     goal = answer.terms[0]
     values = [f"{variable.title} {titles.value(variable.name, cost.values[variable.name])}" for variable in variables]
     values += filter(None, [cost.choice])
     share = number(100 * abs(goal.exact - cost.exact) / abs(cost.exact), 2) if cost.exact else "–"
     return (
-        f"Every limit holds within {listed(bands)}. {capital('; '.join(tolerances(answer)))}. "
+        f"Every limit holds within {listed(_bands(answer))}. {capital('; '.join(tolerances(answer)))}. "
         f"Without tolerances the optimum is {goal.shown(cost.exact)} at {listed(values)}; "
         f"all tolerances together cost {share} % of it."
     )
@@ -72,12 +70,13 @@ def band(spread: float) -> str:
 
 def within(answer: Answer) -> str:
     """Tolerances of a design in brackets; empty without any."""
-    bands = [
-        f"{variable.title} ± {given.told(variable.name, variable.tolerance)}"
-        for variable in answer.variables
-        if variable.tolerance
-    ]
-    return f" ({listed(bands)})" if bands else ""
+    bands = listed(_bands(answer))
+    return f" ({bands})" if bands else ""
+
+
+def _bands(answer: Answer) -> list[str]:
+    tolerated = [variable for variable in answer.variables if variable.tolerance]
+    return [f"{variable.title} ± {given.told(variable.name, variable.tolerance)}" for variable in tolerated]
 
 
 def exceeded(answer: Answer) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.term import Term
 from workflow.design.wording import asides
 from workflow.design.wording.words import verdict
 from workflow.language.factors import FACTORS
@@ -25,6 +24,7 @@ _EXACT = 1e-6  # of a limit: a margin that is none, but for rounding
 _HEAD = ("target", "verdict", "goal", "design")
 _COLUMNS = ("target", "kind", "name", "units", "predicted", "predicted_std", "exact", "limit", "margin", "inside")
 _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
+_JSON = ("exact", *_NUMBERS[:2], *_NUMBERS[3:])
 
 
 def as_text(answer: Answer, *, si: bool = False) -> str:
@@ -89,7 +89,7 @@ def as_json(answer: Answer) -> str:
             for choice in answer.choices
         ],
         "terms": {
-            term.name: {key: _finite(value) for key, value in _numbers(term).items()}
+            term.name: {key: _finite(getattr(term, key)) for key in _JSON}
             | {"inside": term.inside, "units": term.units}
             for term in answer.terms
         },
@@ -101,11 +101,6 @@ def as_json(answer: Answer) -> str:
     if "front" in answer.pictures.dims:
         out["front"] = _front(answer)
     return json.dumps(out, indent=2, allow_nan=False)
-
-
-def _numbers(term: Term) -> dict[str, float]:
-    """Numbers of a term in the order of the JSON."""
-    return {key: getattr(term, key) for key in ("exact", "predicted", "predicted_std", "limit", "margin")}
 
 
 def _finite(value: float) -> float | None:

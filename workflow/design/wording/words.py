@@ -6,10 +6,8 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 
 from solver.names import ALL_QUANTITIES
 from workflow.design.verdict import leftout, multipliers
-from workflow.design.verdict.answer import ROOM, Answer
+from workflow.design.verdict.answer import ROOM, Answer, Term, Variable
 from workflow.design.verdict.leftout import LeftOut
-from workflow.design.verdict.term import Term
-from workflow.design.verdict.variable import Variable
 from workflow.design.wording import asides
 from workflow.language import titles
 from workflow.language.constants import FIGURES
