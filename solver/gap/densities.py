@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
 from solver.gap.grid import CLOSE, RULE, Grid, spans
-from solver.line.assembly import mixing
 from solver.line.kernel import POTENTIAL, Kernel
+from solver.line.outputs import mixing
 from solver.stack.reflection import low
 
 _DIGITS = 30.0  # exponent of the interpolation error between Chebyshev points: below rounding

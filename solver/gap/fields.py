@@ -15,19 +15,17 @@ from solver.gap.airline import LineSolution
 from solver.gap.charges import FAR, NEAR, Charges, Spectrum, from_smaller
 from solver.gap.densities import Densities
 from solver.gap.quantities import solutions
-from solver.halfplane.curves import lines as region_lines
-from solver.halfplane.curves import named
-from solver.halfplane.interior import LINEAR
-from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.interior import LINEAR, POTENTIALS
+from solver.halfplane.peaks import lines as region_lines
+from solver.halfplane.peaks import named
 from solver.line import quantities as film
-from solver.line.assembly import Assembly, mixing
+from solver.line.fields import in_blocks, local_fields, of_local
 from solver.line.interior import Interior, fields_of
-from solver.line.interiorfields import in_blocks
 from solver.line.kernel import kernel
+from solver.line.outputs import Assembly, mixing
 from solver.line.peaks import PeakTable, of_whole_body
 from solver.line.similar import Films
 from solver.line.stressnets import Net, of_whole, require_depth
-from solver.line.surface import local_fields, of_local
 from solver.line.system import System
 from solver.line.tractions import Tractions
 from solver.names import PEAKS

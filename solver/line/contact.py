@@ -14,8 +14,7 @@ from solver.arrays import Array, dot
 from solver.halfplane.profile import Profile
 from solver.line import outputs
 from solver.line.basis import mean_rule
-from solver.line.extent import extent
-from solver.line.loading import Causes, Loading
+from solver.line.extent import Causes, Loading, extent
 from solver.line.table import Table
 from solver.stack.electroded import lowest
 

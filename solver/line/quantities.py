@@ -106,8 +106,8 @@ def peaks(films: Films, requested: Set[str], tables: PeakTables | None = None) -
     if not regions:
         return {}
     parts = [
-        (places, {name: peak for region in regions for name, peak in table.peaks(*contacts, region).items()})
-        for places, table, *contacts in tables or _peak_tables(films)
+        (places, {name: peak for region in regions for name, peak in table.peaks(half, causes, region).items()})
+        for places, table, half, causes in tables or _peak_tables(films)
     ]
     return {name: values for name, values in joined(parts, films.load.size).items() if name in requested}
 

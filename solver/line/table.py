@@ -17,9 +17,9 @@ from solver.arrays import Array
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.sliding import RIGID_PUNCH, Punch, Sliding
 from solver.line import outputs
-from solver.line.assembly import Assembly
 from solver.line.basis import Basis
 from solver.line.kernel import kernel
+from solver.line.outputs import Assembly
 from solver.line.system import System
 from solver.stack.electroded import met
 from solver.stack.layers import Stack

@@ -12,10 +12,10 @@ from scipy.special import binom, gamma, j0, j1
 
 from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array, BoolArray, ComplexArray, selected
-from solver.halfplane.potentials import LINE, LINE_WEIGHTS
-from solver.line.assembly import Assembly
+from solver.halfplane.interior import LINE, LINE_WEIGHTS
 from solver.line.basis import CANCELS, RULES, Basis, by_gauss, ellipse, gauss_jacobi, jacobi, off_contact
 from solver.line.contact import FilmContact
+from solver.line.outputs import Assembly
 from solver.line.system import System
 from solver.line.table import BATCH, Table
 from solver.stack.layers import Stack
