@@ -14,10 +14,9 @@ from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.punches import punch_datum, punch_of
 from solver.line.electrodecharge import electrode_quantities
-from solver.line.interiorfields import interior_fields
+from solver.line.fields import fields, interior_fields
 from solver.line.quantities import curves, peaks, quantities
 from solver.line.similar import Films
-from solver.line.surface import fields
 from solver.line.windows import Kind
 from solver.names import FILM_PEAKS
 

@@ -1,6 +1,7 @@
 """``meecontact signal``: a history of forces to what an amplifier reads, as a table, and its figures in words."""
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,7 @@ from workflow.cli.textfile import write_columns
 from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
-from workflow.device.signal import DROP, GONE, Figures, History, Signal, read
-from workflow.device.warmth import Warmth
+from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
@@ -60,7 +60,7 @@ def signal(options: argparse.Namespace) -> None:
     if bare:
         _check_unit(options.history, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
-    contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
+    contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
         circuit = Circuit.of(numbers, material)
     if contact.roughness > _ROUGH:

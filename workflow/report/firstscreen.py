@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,11 +15,21 @@ from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ANGLED_CUTS, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
 from workflow.design.verdict import linearity
-from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.answer import Answer, Term
 from workflow.design.verdict.leftout import LeftOut, largest
-from workflow.design.verdict.term import Term
-from workflow.design.wording import asides
-from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, Verdict, verdict, within
+from workflow.design.wording.words import (
+    BEYOND,
+    RECOMMENDED,
+    UNREACHABLE,
+    band,
+    exceeded,
+    first_to_break,
+    in_brackets,
+    spread,
+    tolerances,
+    verdict,
+    within,
+)
 from workflow.language import given, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -33,6 +43,18 @@ from workflow.study.target import Target
 _AROUND = {AIR: "in air", "insulated": "insulated around"}
 #: Radius that the section of a punch in space shows.
 _SECTION = {"ellipsoid": "radius_x", "roller": "radius", "rough_sphere": "radius"}
+_PUNCHES = {
+    "flat": "flat punch {width} wide",
+    "wedge": "wedge of slope {slope}",
+    "half_cylinder": "half cylinder, R = {radius}",
+    "sphere": "ball, R = {radius}",
+    "cone": "cone of slope {slope}",
+    "disc": "flat disc {width} wide",
+    "power": "punch of profile {coefficient} r^{exponent}",
+    "ellipsoid": "ellipsoid, R = {radius_x} and {radius_y}",
+    "roller": "roller, R = {radius}, {length} long",
+    "rough_sphere": "rough ball, R = {radius}, {roughness} rms",
+}
 _LITTLE = 1e-5  # share that is told as less than that
 #: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
@@ -40,64 +62,63 @@ Case = Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
-class Screen:
-    """Card of one target: three lines, and the sentences behind its "why"."""
+class Card:
+    """Card of a target, or of a contact that is solved as it is, not searched."""
 
-    name: str  # key of the target
     title: str
-    code: str  # goal and limits as the study writes them
-    build: str  # body and punch with their tolerances
-    does: str  # every goal with its spread and conditions
-    doubt: str  # constants that the library marks as doubtful; empty without any
-    beyond: str  # exceeded limits of materials and theory; empty without any
+    built: str  # body and punch
+    build: str  # the same with tolerances
+    does: str  # every goal with its spread and conditions; of a contact its charge and output
     stops: str  # binding limits
-    breaks: str  # limit with the least room; empty without limits
-    why: tuple[str, ...]  # further sentences
-    verdict: Verdict
+    doubt: str  # constants that the library marks as doubtful; empty without any
+    verdict: str
     left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
     drawing: Markup  # to scale
+    good: bool = True  # of a contact: no limit of materials and theory is exceeded within the tolerances
+    # Of a target: its name, goal and limits as the study writes them, exceeded limits of materials and theory, the
+    # limit with the least room, and further sentences
+    name: str = ""
+    code: str = ""
+    beyond: str = ""
+    breaks: str = ""
+    why: tuple[str, ...] = ()
 
     @property
     def reachable(self) -> bool:
         """Return whether some design satisfies every limit."""
-        return self.verdict.kind != UNREACHABLE
+        return self.verdict != UNREACHABLE
 
 
-def answered(
-    study: Study,
-    name: str,
-    target: Target,
-    answer: Answer,
-    contact: Mapping[str, float],
-    around: Mapping[str, Any],
-    on_datum: Sequence[Mapping[str, Any]] = (),
-) -> Screen:
-    """Return the card of one target."""
+def answered(study: Study, name: str, target: Target, answer: Answer, solved: Mapping[str, Any]) -> Card:
+    """Return the card of one target; solved: its exact cases, as `workflow.report.exact` has them."""
     narrowed, judged = study.narrowed(answer.combination), verdict(answer)
     case: Case = {**study.fixed, **answer.combination, **answer.case}
     built = in_words(narrowed, case)
-    moving = {str(row["name"]) for row in on_datum if row["moves"]}
+    moving = {str(row["name"]) for row in solved["on_datum"] if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
-           asides.spread(answer), exact.told(around), judged.sources)  # fmt: skip
-    title = study.titles[name]
-    return Screen(
-        name=name,
-        title=title,
-        code=answer.goal,
-        build=unbroken(built + asides.within(answer)),
+           spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
+    return Card(
+        title=study.titles[name],
+        built=built,
+        build=unbroken(built + in_brackets(answer)),
         does=unbroken(_good(target, answer, moving, reference)),
-        doubt=doubted(narrowed),
-        beyond=unbroken(asides.exceeded(answer)),
         stops=unbroken(capital(judged.stops)),
-        breaks=unbroken(asides.first_to_break(answer)),
-        why=tuple(unbroken(reason) for reason in why if reason),
-        verdict=judged,
+        doubt=doubted(narrowed),
+        verdict=judged.kind,
         left_out=answer.left_out,
-        drawing=element(
-            device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
-        ),
+        drawing=_drawing(of_case(study, case, solved["contact"]), name, study.titles[name], built),
+        name=name,
+        code=answer.goal,
+        beyond=unbroken(exceeded(answer)),
+        breaks=unbroken(first_to_break(answer)),
+        why=tuple(unbroken(reason) for reason in why if reason),
     )
+
+
+def _drawing(drawn: device.Device, name: str, title: str, built: str) -> Markup:
+    """The drawing of a card as an element of the page."""
+    return element(device.draw(drawn, built), f"device-{name}", f"{title}, drawn to scale: {built}")
 
 
 def doubted(study: Study) -> str:
@@ -192,45 +213,17 @@ def _base(case: Case) -> str:
 
 
 def punch_in_words(case: Case) -> str:
-    """The punch, as ``R = 50 mm``, or of a point ``steel ball, R = 3 mm``."""
-    profile = str(case.get("profile", CHOICES["profile"][0]))
-    if PROFILES[profile].contact == "point":
-        return _round(profile, case)
-    if profile == "flat":
-        return f"flat punch {titles.value('width', float(case['width']), 3)} wide"
-    if profile == "wedge":
-        return f"wedge of slope {number(float(case['slope']), 3)}"
-    radius = f"R = {titles.value('radius', float(case['radius']), 3)}"
-    return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
-
-
-def _in_space(profile: str, case: Case) -> str:
-    """The punch of a contact in space, without what it is made of."""
-    sizes = {name: titles.value(name, float(case[name]), 3) for name in PROFILES[profile].takes if name in case}
-    if profile == "ellipsoid":
-        return f"ellipsoid, R = {sizes['radius_x']} and {sizes['radius_y']}"
-    if profile == "roller":
-        crown = f", crown of {sizes['crown_radius']}" if "crown_radius" in sizes else ""
-        return f"roller, R = {sizes['radius']}, {sizes['length']} long{crown}"
-    return f"rough ball, R = {sizes['radius']}, {sizes['roughness']} rms"
-
-
-def _round(profile: str, case: Case) -> str:
-    """The punch of a point contact, with what it is made of where that deforms."""
-    material = str(case.get("punch", RIGID_PUNCH))
+    """The punch, as ``R = 50 mm``, or of a point with what it is made of, as ``steel ball, R = 3 mm``."""
+    profile, material = str(case.get("profile", CHOICES["profile"][0])), str(case.get("punch", RIGID_PUNCH))
+    outline = PROFILES[profile]
+    sizes = {name: titles.value(name, float(case[name]), 3) for name in outline.takes if name in case}
+    crown = f", crown of {sizes['crown_radius']}" if "crown_radius" in sizes else ""
+    words = _PUNCHES.get(profile, "R = {radius}").format(**sizes) + crown
+    if outline.contact == "line" or material == RIGID_PUNCH:
+        return words
     if material == "skin" and profile == "sphere":
-        return f"fingertip, R = {titles.value('radius', float(case['radius']), 3)}"
-    material = "" if material == RIGID_PUNCH else f"{material.replace('_', ' ')} "
-    size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
-    if profile in _SECTION:
-        return material + _in_space(profile, case)
-    words = {
-        "sphere": "ball, R = {}",
-        "cone": f"cone of slope {slope}",
-        "disc": "flat disc {} wide",
-        "power": "punch of profile {} r^" + number(float(case.get("exponent", 1.0)), 3),
-    }
-    return material + words[profile].format(titles.value(size, float(case[size]), 3))
+        return f"fingertip, R = {sizes['radius']}"
+    return f"{material.replace('_', ' ')} {words}"
 
 
 def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:
@@ -249,7 +242,7 @@ def _good(target: Target, answer: Answer, moving: Collection[str], reference: fl
 
 def _with_band(goal: Term) -> str:
     """Exact value of a goal with its spread by uncertain constants, without line breaks."""
-    return f"{goal.shown(goal.exact)}{asides.band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{goal.shown(goal.exact)}{band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
@@ -260,7 +253,7 @@ def _over(target: Target) -> str:
 
 def cost(answer: Answer) -> str:
     """Cost of the tolerances, and of a 1 % error in every other variable that matters."""
-    parts = asides.tolerances(answer)
+    parts = tolerances(answer)
     for variable in answer.variables:
         error = variable.sensitivity
         if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:
@@ -288,22 +281,6 @@ def _share(part: float) -> str:
     return f"{number(100 * part, 2)} %" if part > _LITTLE else f"less than {number(100 * _LITTLE, 1)} %"
 
 
-@dataclass(frozen=True)
-class Card:
-    """Card of a contact that is solved as it is, not searched."""
-
-    title: str
-    on: str  # the contact within a sentence
-    build: str
-    does: str
-    stops: str
-    doubt: str  # constants that the library marks as doubtful
-    verdict: str
-    good: bool  # no limit of materials and theory is exceeded within the tolerances
-    left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
-    drawing: Markup  # to scale
-
-
 def card(
     study: Study, signal: Mapping[str, float], held: Mapping[str, Array], left_out: tuple[LeftOut, ...] = ()
 ) -> Card:
@@ -318,6 +295,7 @@ def card(
         for name in ("radius", "thickness")
     ]
     beyond = [*linearity.beyond(signal_study, held), *linearity.beyond_small_strain(signal_study, held, *sizes)]
+    nominal = {name: float(values[0]) for name, values in held.items()}
     nearest = linearity.nearest(signal_study, held)
     reached = "within the tolerances the {} reaches {} % of the {}" if bands else "the {} is {} % of the {}"
     share = reached.format(nearest.words, number(100 * nearest.share, 2), nearest.at_most) if nearest else ""
@@ -327,14 +305,14 @@ def card(
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
     charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["contact_output"]), "V", 3)
-    bands_of_both = [asides.band(signal[name]) for name in ("charge_spread", "output_spread")]
+    bands_of_both = [band(signal[name]) for name in ("charge_spread", "output_spread")]
     if bands_of_both[0] and bands_of_both[0] == bands_of_both[1]:  # said once
         read = f"{charge} and {output} at the output, both{bands_of_both[0]}"
     else:
         read = f"{charge}{bands_of_both[0]} and {output}{bands_of_both[1]} at the output"
     return Card(
         title=title,
-        on=unbroken(f"the contact beside the designs ({built})"),
+        built=built,
         build=unbroken(f"{built} ({listed(bands)})" if bands else built),
         does=unbroken(f"{shown(signal['force'], 'N', 3)} gives a charge of {read}{_fading(signal['time_constant'])}"),
         stops=unbroken(f"{capital('; '.join(stops))}."),
@@ -342,11 +320,7 @@ def card(
         verdict=within(left_out, moved, BEYOND if beyond else usual),
         good=not (beyond or largest(left_out, moved)),
         left_out=left_out,
-        drawing=element(
-            device.draw(of_case(signal_study, case, {name: float(values[0]) for name, values in held.items()}), built),
-            "device-beside",
-            f"{title}, drawn to scale: {built}",
-        ),
+        drawing=_drawing(of_case(signal_study, case, nominal), "beside", title, built),
     )
 
 

@@ -51,6 +51,10 @@ _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
     "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
+#: Content that not every page has.
+_OF_SOME = (
+    "answers", "beside", "dataset", "datum_changes", "designs", "levels", "readouts", "signal", "surface", "whatif",
+)  # fmt: skip
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -66,14 +70,14 @@ def page(
     study: Study, name: str, folder: Path, figures: list[Path], provenance: Path, levels: Sequence[str | Path] = ()
 ) -> str:
     """The page as text."""
-    card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
+    card = _json(folder / CARD) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
-    content: dict[str, Any] = {
+    content: dict[str, Any] = dict.fromkeys(_OF_SOME, ()) | {
         "study": study,
         "name": name,
         "problem": _problem(study),
         "figures": {path.stem: _figure(path) for path in figures},
-        "provenance": json.loads(provenance.read_text(encoding="utf-8")),
+        "provenance": _json(provenance),
         "factors": FACTORS,
         "quantities": ALL_QUANTITIES,
         "meanings": _MEANINGS,
@@ -84,28 +88,14 @@ def page(
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
-        "datum_changes": [],
         "composites": _composites(study),
-        "dataset": None,
-        "levels": None,
-        "surface": None,
-        "validation": None,
-        "timing": None,
-        "times": [],
-        "designs": [],
-        "answers": [],
-        "whatif": None,
-        "readouts": [],
-        "signal": None,
-        "beside": None,
         "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
+        "varied": bool(study.factors or study.effects),
         "effects": list(study.effects.vary) if study.effects else [],
         "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
         "effects_table": tables.effects(study, folder) if study.effects else [],
-        "spans": None,
-        "sobol": [],
         "verification": tables.verification(folder) if study.verification else None,
-        "measurements": tables.measurements(folder) if study.measurements else [],
+        "measurements": _json(folder / "measured/measurements.json") if study.measurements else [],
     }
     if study.factors:
         names = coupling.told(study)
@@ -115,15 +105,15 @@ def page(
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))
         content["distributed"] = listed([title(name) for name in study.distributions])
         content["validation"] = tables.validation(folder, study)
-        content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["timing"] = times = _json(folder / "timing.json")
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in names]
         answers = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
-        solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
+        solved = _json(folder / "solved.json")
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]
-        content["designs"] = [tables.design(answer) | solution for answer, solution in zip(answers, exact, strict=True)]
+        content["designs"] = [{"answer": answer, **solution} for answer, solution in zip(answers, exact, strict=True)]
         content["answers"] = [
-            firstscreen.answered(study, *target, answer, solution["contact"], solution["around"], solution["on_datum"])
+            firstscreen.answered(study, *target, answer, solution)
             for target, answer, solution in zip(study.design.items(), answers, exact, strict=True)
         ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
@@ -144,6 +134,10 @@ def page(
     return _environment().get_template("report.html.j2").render(content)
 
 
+def _json(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
 @cache
 def _environment() -> Environment:
     """Templates of the page, with what they call."""
@@ -158,7 +152,7 @@ def _environment() -> Environment:
     environment.filters |= {
         "number": number,
         "seconds": _seconds,
-        "words": _words,
+        "words": lambda name: name.replace("_", " "),
         "title": title,
         "capital": capital,
         "share": _share,
@@ -190,11 +184,14 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any]) -> dict[str, s
     if content["readouts"]:
         says["readout"] = sentences.readout(content["readouts"])
     if study.signal:
-        on = f"the design {study.titles[study.signal.design]!r}" if study.signal.design else content["beside"].on
+        if study.signal.design:
+            on = f"the design {study.titles[study.signal.design]!r}"
+        else:
+            on = firstscreen.unbroken(f"the contact beside the designs ({content['beside'].built})")
         says["signal"] = sentences.signal(content["signal"], on)
     if study.effects:
         says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))
-        says["varied"] = sentences.effects(study)
+        says["varied"] = sentences.effects(content["effects_table"])
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])
     if content["measurements"]:
@@ -257,8 +254,3 @@ def _seconds(value: float) -> str:
 def _share(part: float, digits: int) -> str:
     """A share of a whole in percent; what is next to none is none."""
     return f"{number(100 * part, digits) if abs(part) >= _LEAST else 0} %"
-
-
-def _words(name: str) -> str:
-    """A name of the interface as words."""
-    return name.replace("_", " ")

@@ -123,7 +123,7 @@ def results_of(wildcards):
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"readout/{name}.nc" for name in study.readout]
     names += ["signal.nc"] if study.signal else []
-    names += [f"{name}.nc" for name in page_sections.effects(study)]
+    names += page_sections.effects(study)
     names += ["sweeps.nc"] if study.effects and study.effects.of_baseline else []
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     names += ["measured/measurements.json", "measured/measurements.nc"] if study.measurements else []
