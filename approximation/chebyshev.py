@@ -35,10 +35,7 @@ def mapped_points(count: int, start: float, end: float) -> Array:
 
 
 def coefficients(values: Array, axis: int = 0) -> Array:
-    """Return the coefficients of the polynomial through values at `gauss_points`, by a discrete cosine transform.
-
-    values: (..., n, ...).
-    """
+    """Return the coefficients of polynomials through values (..., n, ...) at `gauss_points`, by a cosine transform."""
     # the transform counts points from the right end
     series = scipy.fft.dct(np.flip(values, axis), type=2, axis=axis) / values.shape[axis]
     first: list[Any] = [slice(None)] * values.ndim
@@ -48,18 +45,12 @@ def coefficients(values: Array, axis: int = 0) -> Array:
 
 
 def interpolation(count: int, places: Array) -> Array:
-    """Return the interpolation matrix from values at `gauss_points` to places; (n, count).
-
-    places: (n,), within [-1, 1].
-    """
+    """Return the interpolation matrix from values at `gauss_points` to places (n,) within [-1, 1]; (n, count)."""
     return np.asarray(chebvander(places, count - 1) @ coefficients(np.eye(count)))
 
 
 def polynomials(t: Array, count: int) -> Array:
-    """Return T_0 .. T_{count-1} at t, (B,), by their recurrence: (count, B); valid outside [-1, 1] too.
-
-    t: (B,).
-    """
+    """Return T_0 .. T_{count-1} at t, (B,), by their recurrence: (count, B); valid outside [-1, 1] too."""
     if len(t) < _FEW:
         return np.asarray(scipy.special.eval_chebyt(np.arange(count)[:, None], t))
     T = np.empty((count, len(t)))
@@ -74,10 +65,7 @@ def polynomials(t: Array, count: int) -> Array:
 
 
 def slopes(t: Array, T: Array) -> Array:
-    """Return the derivatives of the polynomials, (count, B).
-
-    t: (B,), places; T: (count, B), count > 1, the polynomials there.
-    """
+    """Return the derivatives, (count, B), of polynomials T, (count, B), at places t, (B,); count > 1."""
     S = np.zeros_like(T)
     S[1] = 1
     for m in range(2, len(T)):

@@ -118,10 +118,7 @@ def spacing(place: Array, count: int | Indices) -> Array:
 
 
 def rows(count: int, places: Array) -> Array:
-    """Return matrices from values at a panel's points to value and two derivatives at places: (n, 3, count).
-
-    places: (n,), within [-1, 1].
-    """
+    """Return matrices from values at a panel's points to value and two derivatives at places (n,): (n, 3, count)."""
     if count == 1:
         return np.tile([[1.0], [0.0], [0.0]], (len(places), 1, 1))
     T = np.cos(np.arccos(places)[:, None] * np.arange(count))

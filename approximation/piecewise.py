@@ -28,18 +28,12 @@ class Interval:
         return mapped_points(self.count, self.low, self.high)
 
     def polynomials(self, places: Array, *, clipped: bool = True) -> Array:
-        """Return Chebyshev polynomials at places: (place, count).
-
-        places: (place,).
-        """
+        """Return Chebyshev polynomials at places (place,): (place, count)."""
         local = (2 * places - self.low - self.high) / (self.high - self.low)
         return polynomials(np.clip(local, -1.0, 1.0) if clipped else local, self.count).T
 
     def read(self, places: Array, series: Array, causes: Array | None = None) -> Array:
-        """Return values of series, or sums of them over causes; (place, ...).
-
-        places: (place,); series: (count, ...), or (count, ..., cause); causes: (place, cause).
-        """
+        """Return series (count, ...) at places, or (count, ..., cause) of causes (place, cause): (place, ...)."""
         weights = self.polynomials(places)
         if causes is None:
             return np.asarray(np.tensordot(weights, series, 1))
@@ -69,10 +63,7 @@ class Piecewise:
 
     @classmethod
     def of(cls, values: Callable[[Array], Array], ends: Array, count: int, groups: Array | None = None) -> "Piecewise":
-        """Table a function.
-
-        ends: (panel + 1,); groups: (panel,).
-        """
+        """Table a function on panels with ends (panel + 1,); panels of one group (panel,) are evaluated together."""
         parts: list[Array] = []
         marks = np.zeros(ends.size - 1) if groups is None else groups
         for first, last in pairwise([0, *(1 + np.flatnonzero(np.diff(marks))).tolist(), marks.size]):
@@ -81,10 +72,7 @@ class Piecewise:
         return cls(ends, np.concatenate(parts))
 
     def at(self, places: Array, mixing: Array | None = None) -> Array:
-        """Return values at places, which lie within the panels; (..., outputs).
-
-        places: (...); mixing: (output, mixed).
-        """
+        """Return values at places (...) within the panels, or sums by mixing (output, mixed): (..., outputs)."""
         flat, count = places.ravel(), self.series.shape[1]
         series = self.series.reshape(len(self.series), count, -1) if mixing is None else self.series @ mixing
         panel = np.searchsorted(self.ends[1:-1], flat, side="right")
@@ -101,10 +89,7 @@ class Piecewise:
         return out.reshape(*places.shape, *(self.series.shape[2:] if mixing is None else mixing.shape[1:]))
 
     def halved(self, values: Callable[[Array], Array], which: Flags) -> "Piecewise":
-        """Return the function with some panels cut in halves, which are tabulated again.
-
-        which: (panel,).
-        """
+        """Return the function with marked panels, (panel,), cut in halves, which are tabulated again."""
         middles = (self.ends[:-1] + self.ends[1:]) / 2
         ends = np.sort(np.concatenate([self.ends, middles[which]]))
         series, count = np.repeat(self.series, 1 + which, axis=0), self.series.shape[1]
@@ -115,10 +100,7 @@ class Piecewise:
         return Piecewise(ends, series)
 
     def mirrored(self, odd: Flags) -> "Piecewise":
-        """Return the function on both sides of its first end, 0.
-
-        odd: (output,).
-        """
+        """Return the function on both sides of its first end, 0, its outputs odd, (output,), or even."""
         signs = (-1.0) ** np.arange(self.series.shape[1])[:, None] * np.where(odd, -1.0, 1.0)
         ends = np.concatenate([-self.ends[:0:-1], self.ends])
         return Piecewise(ends, np.concatenate([signs * self.series[::-1], self.series]))

@@ -26,36 +26,24 @@ def pairwise(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> 
 
 
 def values(degrees: Indices, t: Array) -> Array:
-    """Return prod_k T_{degrees[m, k]}(t_k), (m, B).
-
-    degrees: (m, d); t: (d, B), places.
-    """
+    """Return prod_k T_{degrees[m, k]}(t_k) of degrees (m, d) at places (d, B): (m, B)."""
     return product(degrees, polynomials(t, 1 + int(degrees.max())))
 
 
 def slopes(degrees: Indices, t: Array) -> Iterator[Array]:
-    """Yield the derivatives of `values` by every coordinate, (m, B) each.
-
-    degrees: (m, d); t: (d, B), places.
-    """
+    """Yield the derivatives of `values` by every coordinate, (m, B) each, of degrees (m, d) at places (d, B)."""
     T = polynomials(t, max(2, 1 + int(degrees.max())))
     S = derivatives(t, T)
     return (product(degrees, T, S, k) for k in range(len(t)))
 
 
 def polynomials(t: Array, count: int) -> Array:
-    """Return T_0 .. T_{count-1} of every coordinate, (count, d, B).
-
-    t: (d, B), places.
-    """
+    """Return T_0 .. T_{count-1} of every coordinate at places (d, B): (count, d, B)."""
     return chebyshev.polynomials(t.ravel(), count).reshape(count, *t.shape)
 
 
 def derivatives(t: Array, T: Array) -> Array:
-    """Return the derivatives of polynomials, (count, d, B).
-
-    t: (d, B), places; T: (count, d, B), count > 1, the polynomials there.
-    """
+    """Return derivatives, (count, d, B), of polynomials T, (count, d, B), at places t (d, B); count > 1."""
     return chebyshev.slopes(t.ravel(), T.reshape(len(T), -1)).reshape(T.shape)
 
 

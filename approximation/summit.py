@@ -77,10 +77,7 @@ def _hills(values: Floats, down: int, ends: Indices) -> tuple[Indices, Indices, 
 def climb(
     fields: Array, measure: Measure, start: tuple[Array, Array], close: float = CLOSE
 ) -> tuple[Array, Array, Array]:
-    """Return coordinates across and down and the measure of the highest points met from starting points; (n,) each.
-
-    fields: (n, m, down, across); start: pair of ndarray, shape (n,).
-    """
+    """Return coordinates and measure of the highest points that climbs on fields (n, m, down, across) meet."""
     counts = fields.shape[3], fields.shape[2]
     (u, v), active = start, np.arange(len(fields))
     best = np.stack([u, v, np.full(len(u), -np.inf)])
@@ -108,10 +105,7 @@ def climb(
 
 
 def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
-    """Return gradient, (2, n), and curvature, (3, n), of uu, vv and uv, of a measure by the coordinates of a panel.
-
-    jet: (n, m, 3, 3), of the fields, as `panels.jets` gives it.
-    """
+    """Return gradient, (2, n), and curvature of uu, vv and uv, (3, n), of a measure, from `panels.jets` of fields."""
     slope, steep = bent.slope, jet[..., [0, 1], [1, 0]]  # by u, by v: (n, m, 2)
     gradient = np.asarray(slope[:, None] @ steep)[:, 0].T
     quadratic = np.swapaxes(steep, 1, 2) @ bent.bend @ steep

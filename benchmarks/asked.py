@@ -11,7 +11,6 @@ import sys
 import tempfile
 from collections.abc import Callable, Mapping
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,7 @@ from approximation.arrays import Array
 from approximation.chebyshev import gauss_points
 from benchmarks import least, scattered, timed
 from benchmarks.closedform import cylinders
-from benchmarks.rivals import GRID_RIVALS
+from benchmarks.rivals import GRID_RIVALS, installed
 from solver.material.constants import UNITS
 from surrogate import GridGP, Input
 from workflow.run.provenance import ROOT
@@ -157,8 +156,7 @@ def _measured() -> xr.Dataset:
 
 def fits() -> dict[str, float]:
     """Cost and error of a fit to scattered cases, beside the other packages that are installed."""
-    rows = {method.name: scattered.row(method, "circuit", SCATTERED) for method in scattered.METHODS
-            if find_spec(method.package)}  # fmt: skip
+    rows = {method.name: scattered.row(method, "circuit", SCATTERED) for method in installed(scattered.METHODS)[0]}
     cost, error = "fit, seconds of processor time", "root-mean-square error over range"
     ours, result = rows.pop(scattered.METHODS[0].name), dict[str, float]()
     for name, row in rows.items():

@@ -164,27 +164,26 @@ def tinygp(t: Array, y: Array) -> Predict:
 
 @dataclass(frozen=True)
 class Rival:
-    """A method: its name, the package that it needs, whether it gives a standard deviation, its fit, and sizes."""
+    """A method: its name, the package that it needs, its fit, and the numbers of cases that it can be given."""
 
     name: str
     package: str
-    has_std: bool
     fit: Fit
     cases: tuple[int, ...]
 
 
 RIVALS = [
-    Rival("scikit-learn GP (RBF)", "sklearn", True, scikit_learn, (256, 1024)),
-    Rival("scikit-learn MLP", "sklearn", False, _perceptron, (1024, 4096)),
-    Rival("scipy RBFInterpolator", "scipy", False, _rbf_interpolator, (256, 1024, 4096)),
-    Rival("SMT Kriging", "smt", True, smt, (64, 128)),
+    Rival("scikit-learn GP (RBF)", "sklearn", scikit_learn, (256, 1024)),
+    Rival("scikit-learn MLP", "sklearn", _perceptron, (1024, 4096)),
+    Rival("scipy RBFInterpolator", "scipy", _rbf_interpolator, (256, 1024, 4096)),
+    Rival("SMT Kriging", "smt", smt, (64, 128)),
 ]
 
 
-def installed() -> tuple[list[Rival], list[str]]:
+def installed(rivals: Sequence[Rival] = RIVALS) -> tuple[list[Rival], list[str]]:
     """Return the rivals that can run here, and the names of those left out."""
-    present = [rival for rival in RIVALS if find_spec(rival.package)]
-    return present, [rival.name for rival in RIVALS if rival not in present]
+    present = [rival for rival in rivals if find_spec(rival.package)]
+    return present, [rival.name for rival in rivals if rival not in present]
 
 
 #: From the scaled levels of every factor and standardised outputs (n_1, ..., n_d, p) to a predictor.

@@ -11,9 +11,8 @@ noise too where they can.
 import sys
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
-from importlib.util import find_spec
+from itertools import product
 from resource import RUSAGE_SELF, getrusage
 
 import numpy as np
@@ -21,7 +20,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from benchmarks import printed, timed
-from benchmarks.rivals import REACH, Fit, Predict, openturns, scikit_learn, smt, standardised, tinygp
+from benchmarks.rivals import REACH, Predict, Rival, installed, openturns, scikit_learn, smt, standardised, tinygp
 from surrogate import Input, ScatterGP
 
 #: Cases of a fit, and fresh ones.
@@ -30,16 +29,6 @@ FRESH = 4000
 # Ends of the circuit's inputs: resistances b1, b2, f, c1, c2 in kilo-ohms, and the current gain.
 _LOW = np.array([50, 25, 0.5, 1.2, 0.25, 50])
 _HIGH = np.array([150, 70, 3, 2.5, 1.2, 300])
-
-
-@dataclass(frozen=True)
-class Method:
-    """A way to fit an output, and the most cases that it can be given."""
-
-    name: str
-    package: str
-    most: int
-    fit: Fit
 
 
 def circuit(t: Array) -> Array:
@@ -87,31 +76,29 @@ def _libkriging(t: Array, y: Array) -> Predict:
 
 
 METHODS = [
-    Method("ScatterGP", "surrogate", CASES[-1], ours),
-    Method("scikit-learn GP (RBF, noise)", "sklearn", 1000, partial(scikit_learn, noisy=True)),
-    Method("libKriging nested kriging", "pylibkriging", 3000, _libkriging),
-    Method("SMT Kriging", "smt", 1000, partial(smt, noisy=True)),
-    Method("OpenTURNS Gaussian process", "openturns", 1000, openturns),
-    Method("tinygp", "tinygp", 1000, tinygp),
+    Rival("ScatterGP", "surrogate", ours, CASES),
+    Rival("scikit-learn GP (RBF, noise)", "sklearn", partial(scikit_learn, noisy=True), CASES[:1]),
+    Rival("libKriging nested kriging", "pylibkriging", _libkriging, CASES),
+    Rival("SMT Kriging", "smt", partial(smt, noisy=True), CASES[:1]),
+    Rival("OpenTURNS Gaussian process", "openturns", openturns, CASES[:1]),
+    Rival("tinygp", "tinygp", tinygp, CASES[:1]),
 ]
 
 
 def measure(cases: tuple[int, ...] = CASES) -> dict[str, float]:
     """Seconds, memory, errors and coverage by method, function and number of cases."""
+    methods, missing = installed(METHODS)
+    print(f"  left out, as not installed here: {', '.join(missing) or 'none'}")
     measured: dict[str, float] = {}
-    for method in METHODS:
-        if not find_spec(method.package):
-            print(f"  left out, as not installed here: {method.name}")
-            continue
-        for count in cases:
-            for name in FUNCTIONS if count <= method.most else ():
-                print(f"  {method.name}, {name}, {count} cases ...", flush=True)
-                for key, value in row(method, name, count).items():
-                    measured[f"{method.name}, {name}, {count} cases: {key}"] = value
+    for method, count, name in product(methods, cases, FUNCTIONS):
+        if count <= max(method.cases):
+            print(f"  {method.name}, {name}, {count} cases ...", flush=True)
+            for key, value in row(method, name, count).items():
+                measured[f"{method.name}, {name}, {count} cases: {key}"] = value
     return measured
 
 
-def row(method: Method, name: str, count: int) -> dict[str, float]:
+def row(method: Rival, name: str, count: int) -> dict[str, float]:
     """Seconds, memory, errors and coverage of one method on one function."""
     function, share = FUNCTIONS[name]
     random = np.random.default_rng(0)

@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from solver.halfplane.precision import PrecisionWarning
     from solver.halfplane.profile import Profile
     from solver.halfplane.speed import limiting_speed
-    from solver.material.alloy import aluminium_scandium_nitride
-    from solver.material.composite import fibrous, laminate
+    from solver.material.composite import aluminium_scandium_nitride, fibrous, laminate
     from solver.material.constants import Material, MaterialError
     from solver.material.library import find, materials
     from solver.stack.layers import Layer, Stack
@@ -41,28 +40,20 @@ __all__ = [
 ]
 
 # imported when asked for: a job that needs only `solver.names` is often shorter than the imports of the solution
-_MODULES = {
-    "CaseError": "face.refusal",
-    "FactorError": "face.refusal",
-    "Layer": "stack.layers",
-    "Material": "material.constants",
-    "MaterialError": "material.constants",
-    "PrecisionWarning": "halfplane.precision",
-    "Profile": "halfplane.profile",
-    "SmallStrainWarning": "face.refusal",
-    "Stack": "stack.layers",
-    "aluminium_scandium_nitride": "material.alloy",
-    "fibrous": "material.composite",
-    "find": "material.library",
-    "laminate": "material.composite",
-    "limiting_speed": "halfplane.speed",
-    "materials": "material.library",
-    "solve": "face.solution",
-    "solve_curves": "face.solution",
-    "solve_interior": "face.solution",
-    "solve_map": "face.surface",
-    "table": "face.table",
+_NAMES = {
+    "face.refusal": ("CaseError", "FactorError", "SmallStrainWarning"),
+    "face.solution": ("solve", "solve_curves", "solve_interior"),
+    "face.surface": ("solve_map",),
+    "face.table": ("table",),
+    "halfplane.precision": ("PrecisionWarning",),
+    "halfplane.profile": ("Profile",),
+    "halfplane.speed": ("limiting_speed",),
+    "material.composite": ("aluminium_scandium_nitride", "fibrous", "laminate"),
+    "material.constants": ("Material", "MaterialError"),
+    "material.library": ("find", "materials"),
+    "stack.layers": ("Layer", "Stack"),
 }
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> object:

@@ -9,35 +9,11 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Literal
 
+from solver import names
 from solver.described import Contact, Described, Loads
 from solver.fields import FIELDS, POINT_FIELDS
 from solver.material.constants import Material, MaterialError
 from solver.material.library import find, materials
-from solver.names import (
-    AIR,
-    BODY,
-    CHOICES,
-    CONTACTS,
-    ELECTRODE_QUANTITIES,
-    ENDS,
-    FILM_PEAKS,
-    FILM_QUANTITIES,
-    GAP_QUANTITIES,
-    HEAT_QUANTITIES,
-    OF_A_FILM,
-    OF_AN_ELECTRODE,
-    OF_HEAT,
-    OF_SPACE,
-    ON_CUTS,
-    PEAKS,
-    POINT_GAP_QUANTITIES,
-    POINT_QUANTITIES,
-    POINT_SLIDING,
-    PROFILES,
-    QUANTITIES,
-    SPACE_QUANTITIES,
-    TABLED,
-)
 from solver.stack.layers import Stack
 
 #: What depths and potentials refer to: a datum, nothing but themselves, or either, as base and interface decide.
@@ -56,8 +32,8 @@ class Kind:
     contact: Contact  # Whether a contact is a line, per metre of which loads are given, or a point
     datum: Datum  # What its depths and potentials refer to
     # Quantities that its cases may have: those that come together, and those that are searched for
-    quantities: Mapping[str, Described]
-    peaks: Mapping[str, Described]
+    quantities: dict[str, Described]
+    peaks: dict[str, Described]
     regions: tuple[str, ...]  # Names of ``solver.curves.REGIONS`` that its peaks may follow from
     space: bool = False  # Whether its contact has no axis of revolution: a point contact whose surface is a map
     layered: bool = False  # Whether it has a top layer with a thickness, on a base
@@ -75,12 +51,12 @@ class Kind:
     @property
     def loads(self) -> Loads:
         """The factors that press and charge its punch; their units are those of ``solver.names.FACTORS``."""
-        return CONTACTS[self.contact]
+        return names.CONTACTS[self.contact]
 
     @property
     def ends(self) -> tuple[str, str]:
         """The quantities that its contact extends to the trailing and to the leading side by."""
-        return ("contact_length_x", "contact_length_x") if self.space else ENDS[self.contact]
+        return ("contact_length_x", "contact_length_x") if self.space else names.ENDS[self.contact]
 
     def extents(self, solved: Mapping[str, Any]) -> tuple[Any, Any]:
         """How far a contact extends to the trailing and to the leading side [m]: half of a length in space."""
@@ -111,83 +87,75 @@ class Kind:
         return {**self.quantities, **self.peaks}
 
 
+_NOMINAL_FIELD = {"nominal_field": names.FILM_QUANTITIES["nominal_field"]}
 _HEAT_OF_LINES, _HEAT_OF_POINTS = (
-    {name: quantity for name, quantity in HEAT_QUANTITIES.items() if name != other}
+    {name: quantity for name, quantity in names.HEAT_QUANTITIES.items() if name != other}
     for other in ("heat_charge", "heat_charge_per_length")
 )
-HALF_PLANE = Kind("half-plane", "line", "relative", QUANTITIES, PEAKS, ("body",))
+HALF_PLANE = Kind("half-plane", "line", "relative", names.QUANTITIES, names.PEAKS, ("body",))
 FILM = Kind(
     "film",
     "line",
     "by_base",
-    QUANTITIES | FILM_QUANTITIES | ELECTRODE_QUANTITIES | _HEAT_OF_LINES,
-    FILM_PEAKS,
+    names.QUANTITIES | names.FILM_QUANTITIES | names.ELECTRODE_QUANTITIES | _HEAT_OF_LINES,
+    names.FILM_PEAKS,
     ("interface", "film", "base"),
     layered=True,
-    factors=(*OF_A_FILM, *OF_AN_ELECTRODE, *OF_HEAT),
-    tabled=TABLED,
+    factors=(*names.OF_A_FILM, *names.OF_AN_ELECTRODE, *names.OF_HEAT),
+    tabled=names.TABLED,
     method="; on films, integral equations with the closed form as their singular part",
 )
 
-_OF_A_LINE = {name: quantity for name, quantity in QUANTITIES.items() if "_edge_intensity_" not in name}
+_OF_A_LINE = {name: quantity for name, quantity in names.QUANTITIES.items() if "_edge_intensity_" not in name}
 _IN_AIR = "; with air beside the contact, Newton's iteration on charges beside it"
 HALF_PLANE_IN_AIR = Kind(
     "half-plane with air beside the contact",
     "line",
     "relative",
     _OF_A_LINE
-    | {name: FILM_QUANTITIES[name] for name in ("capacitance_per_length", "permeance_per_length")}
-    | GAP_QUANTITIES,
-    PEAKS,
+    | {name: names.FILM_QUANTITIES[name] for name in ("capacitance_per_length", "permeance_per_length")}
+    | names.GAP_QUANTITIES,
+    names.PEAKS,
     ("body",),
     air=True,
-    tabled=tuple(name for name in TABLED if name not in OF_A_FILM),
+    tabled=tuple(name for name in names.TABLED if name not in names.OF_A_FILM),
     method=_IN_AIR,
 )
 FILM_IN_AIR = replace(
     FILM,
     name="film with air beside the contact",
-    quantities=_OF_A_LINE | FILM_QUANTITIES | GAP_QUANTITIES | _HEAT_OF_LINES,
+    quantities=_OF_A_LINE | names.FILM_QUANTITIES | names.GAP_QUANTITIES | _HEAT_OF_LINES,
     air=True,
     method=FILM.method + _IN_AIR,
 )
 
-HALF_SPACE = Kind("half-space", "point", "absolute", POINT_QUANTITIES | POINT_SLIDING, PEAKS, ())
+HALF_SPACE = Kind("half-space", "point", "absolute", names.POINT_QUANTITIES | names.POINT_SLIDING, names.PEAKS, ())
 POINT_FILM = Kind(
     "film under a point",
     "point",
     "absolute",
-    POINT_QUANTITIES
-    | POINT_SLIDING
-    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
-    | ELECTRODE_QUANTITIES
-    | _HEAT_OF_POINTS,
-    FILM_PEAKS,
+    HALF_SPACE.quantities | _NOMINAL_FIELD | names.ELECTRODE_QUANTITIES | _HEAT_OF_POINTS,
+    names.FILM_PEAKS,
     (),
     layered=True,
-    factors=(*OF_A_FILM, *OF_AN_ELECTRODE, *OF_HEAT),
-    tabled=tuple(name for name in TABLED if name not in ("friction", "speed")),
+    factors=(*names.OF_A_FILM, *names.OF_AN_ELECTRODE, *names.OF_HEAT),
+    tabled=tuple(name for name in names.TABLED if name not in ("friction", "speed")),
     method="; on films under a point, Galerkin's equations in Legendre functions beside the closed form",
 )
 
-_OF_A_POINT = {
-    name: quantity for name, quantity in (POINT_QUANTITIES | POINT_SLIDING).items() if "_edge_intensity" not in name
-}
+_OF_A_POINT = {name: quantity for name, quantity in HALF_SPACE.quantities.items() if "_edge_intensity" not in name}
 HALF_SPACE_IN_AIR = replace(
     HALF_SPACE,
     name="half-space with air beside the contact",
-    quantities=_OF_A_POINT | POINT_GAP_QUANTITIES,
+    quantities=_OF_A_POINT | names.POINT_GAP_QUANTITIES,
     air=True,
-    tabled=tuple(name for name in POINT_FILM.tabled if name not in OF_A_FILM),
+    tabled=tuple(name for name in POINT_FILM.tabled if name not in names.OF_A_FILM),
     method=_IN_AIR,
 )
 POINT_FILM_IN_AIR = replace(
     POINT_FILM,
     name="film under a point with air beside it",
-    quantities=_OF_A_POINT
-    | POINT_GAP_QUANTITIES
-    | {"nominal_field": FILM_QUANTITIES["nominal_field"]}
-    | _HEAT_OF_POINTS,
+    quantities=HALF_SPACE_IN_AIR.quantities | _NOMINAL_FIELD | _HEAT_OF_POINTS,
     air=True,
     method=POINT_FILM.method + _IN_AIR,
 )
@@ -196,11 +164,11 @@ SPACE = Kind(
     "contact in space",
     "point",
     "absolute",
-    SPACE_QUANTITIES,
+    names.SPACE_QUANTITIES,
     {},
     (),
     space=True,
-    factors=OF_SPACE,
+    factors=names.OF_SPACE,
     method="; semismooth Newton iteration with kernels of the infinite body",
 )
 SPACE_IN_AIR = replace(SPACE, name="contact in space, air beside it", air=True)
@@ -208,9 +176,9 @@ SPACE_ON_LAYERS, SPACE_ON_LAYERS_IN_AIR = (
     replace(
         kind,
         name=f"{kind.name}, on layers",
-        quantities=dict(kind.quantities) | {"nominal_field": FILM_QUANTITIES["nominal_field"]},
+        quantities=kind.quantities | _NOMINAL_FIELD,
         layered=True,
-        factors=(*OF_A_FILM, *OF_SPACE),
+        factors=(*names.OF_A_FILM, *names.OF_SPACE),
     )
     for kind in (SPACE, SPACE_IN_AIR)
 )
@@ -228,19 +196,19 @@ KINDS: dict[tuple[Touch, bool, bool], Kind] = {(kind.touch, kind.layered, kind.a
 def kind_of(
     factors: Collection[str],
     profile: object = "cylinder",
-    surroundings: object = CHOICES["surroundings"][0],
+    surroundings: object = names.CHOICES["surroundings"][0],
     materials: Iterable[object] = (),
 ) -> Kind:
     """The kind of a case; of a sphere, cone or disc on a cut crystal by its ``cut`` or one of its materials."""
-    outline = PROFILES[profile] if isinstance(profile, str) and profile in PROFILES else PROFILES["cylinder"]
-    space = outline.space or (profile in ON_CUTS and ("cut" in factors or any(map(is_cut, materials))))
-    layered = BODY in factors or "thickness" in factors
-    return KINDS["space" if space else outline.contact, layered, surroundings == AIR]
+    outline = names.PROFILES[profile if isinstance(profile, str) and profile in names.PROFILES else "cylinder"]
+    space = outline.space or (profile in names.ON_CUTS and ("cut" in factors or any(map(is_cut, materials))))
+    layered = names.BODY in factors or "thickness" in factors
+    return KINDS["space" if space else outline.contact, layered, surroundings == names.AIR]
 
 
 def solids(case: Mapping[str, object]) -> list[object]:
     """Material, base and stack of a case, as far as its factors name them."""
-    return [case[name] for name in ("material", "base", BODY) if name in case]
+    return [case[name] for name in ("material", "base", names.BODY) if name in case]
 
 
 def is_cut(material: object) -> bool:
@@ -263,19 +231,19 @@ def airless(case: Mapping[str, object]) -> str:
     """Why no air can be beside the contact of a case, as far as its factors tell; empty where it can."""
 
     def of(name: str) -> object:
-        return case.get(name, CHOICES[name][0])
+        return case.get(name, names.CHOICES[name][0])
 
     if of("magnetic") == "insulating" and (of("electric") == "insulating" or _metallic(case)):
         return "its punch conducts no field, so that no charge lies beside it"
-    if of("electrode") != CHOICES["electrode"][0]:
+    if of("electrode") != names.CHOICES["electrode"][0]:
         return "the electrode on its film lies below the punch"
-    if ({*OF_AN_ELECTRODE} - {"electrode"}) & case.keys():
+    if ({*names.OF_AN_ELECTRODE} - {"electrode"}) & case.keys():
         return "what an electrode of its film collects is not solved with air"
     profile = of("profile")
     of_user = not isinstance(profile, str) and all(getattr(profile, "smooth", (False,)))  # a profile of one's own
     if not of_user and profile not in _ENDED and not (profile in _ENDLESS and _END in case):
         return f"no narrow gap with an end lies beside its punch ({profile})"
-    body = case.get(BODY)
+    body = case.get(names.BODY)
     stack = body if isinstance(body, Stack) else None
     sideways = of("interface_magnetic") == "insulated" or (stack and stack.insulated)
     if sideways and of("magnetic") == "conducting":
@@ -285,7 +253,7 @@ def airless(case: Mapping[str, object]) -> str:
 
 def _metallic(case: Mapping[str, object]) -> bool:
     """Return whether a film is a metal, which does not share the punch's potential."""
-    body, material = case.get(BODY), case.get("material")
+    body, material = case.get(names.BODY), case.get("material")
     if isinstance(body, Stack):
         return body.conductors[0]
     known = material if isinstance(material, Material) else materials().get(str(material))
@@ -299,5 +267,5 @@ def around(case: Mapping[str, object]) -> str:
     """
     kind = kind_of(case, case.get("profile", "cylinder"), materials=solids(case))
     if kind.space:
-        return AIR
-    return AIR if kind.layered and not airless(case) else CHOICES["surroundings"][0]
+        return names.AIR
+    return names.AIR if kind.layered and not airless(case) else names.CHOICES["surroundings"][0]

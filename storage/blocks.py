@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from storage.described import standard
+from storage.described import as_stored, standard
 from storage.netcdf import (
     CHECKSUM,
     COMPRESS_FROM,
@@ -29,7 +29,6 @@ from storage.netcdf import (
     purpose,
     started,
 )
-from storage.rootunits import as_stored
 from storage.sealed import appearing
 
 #: Attributes that `write_blocks` adds to every variable.

@@ -1,11 +1,21 @@
-"""Files that say what they hold: every variable has its meaning and its unit, the file its title and its source."""
+"""Files that say what they hold: every variable has its meaning and its unit, the file its title and its source.
 
-from collections.abc import Mapping
+UDUNITS, by which foreign programs read units, has whole exponents only: it reads ``C m-3/2`` as 0.5 C m-3. In a file
+such a quantity is divided by the square root of 1 m: it has the same number, a unit that UDUNITS reads as meant, and a
+`long_name` that says so; `si_units` keeps the unit for people.
+"""
+
+import re
+from collections.abc import Callable, Hashable, Mapping
 from importlib.metadata import version
+from typing import Any
 
 import xarray as xr
 
 LICENSE = "MIT"
+SI_UNITS = "si_units"
+_ROOT = re.compile(r"(^| )m(-?\d*[13579])/2(?= |$)")
+_SCALED = ", divided by the square root of 1 m"
 
 
 def described(dataset: xr.Dataset, title: str, source: str, meanings: Mapping[str, str]) -> xr.Dataset:
@@ -30,3 +40,38 @@ def standard(dataset: xr.Dataset) -> dict[str, str]:
         "history": f"written by meecontact {version('meecontact')}",
         "license": LICENSE,
     }
+
+
+def scaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
+    """Attributes of a variable as a file holds them."""
+    units = attrs.get("units")
+    if not isinstance(units, str) or not (root := _ROOT.search(units)):
+        return dict(attrs)
+    whole = (int(root[2]) - 1) // 2
+    other_units = _ROOT.sub(f" m{whole}" if whole not in (0, 1) else " m" * whole, units, count=1).strip()
+    name = f"{attrs.get('long_name', 'the quantity')}{_SCALED}"
+    return {**attrs, "units": other_units or "1", "long_name": name, SI_UNITS: units}
+
+
+def unscaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
+    """Attributes that `scaled` has changed, as they were."""
+    if SI_UNITS not in attrs:
+        return dict(attrs)
+    plain = {key: value for key, value in attrs.items() if key != SI_UNITS}
+    return {**plain, "units": attrs[SI_UNITS], "long_name": str(attrs.get("long_name", "")).removesuffix(_SCALED)}
+
+
+def as_stored(dataset: xr.Dataset) -> xr.Dataset:
+    """A copy with the attributes that a file holds."""
+    return _changed(dataset.copy(), scaled)
+
+
+def as_meant(dataset: xr.Dataset) -> xr.Dataset:
+    """The data set of a file itself, which is to be closed by its reader, with its units as people write them."""
+    return _changed(dataset, unscaled)
+
+
+def _changed(dataset: xr.Dataset, change: Callable[[Mapping[Any, Any]], dict[Hashable, Any]]) -> xr.Dataset:
+    for variable in dataset.variables.values():
+        variable.attrs = change(variable.attrs)
+    return dataset

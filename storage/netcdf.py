@@ -16,8 +16,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-from storage.described import standard
-from storage.rootunits import as_meant, as_stored
+from storage.described import as_meant, as_stored, standard
 from storage.sealed import FormatError, appearing, check_seal
 
 CHECKSUM = "checksum"
@@ -30,17 +29,7 @@ PACKED: dict[str, Any] = {"compression": "zlib", "complevel": 1, "shuffle": True
 MAX_BYTES = 16 * 2**30
 # What one string of a variable-length array takes in memory, at least.
 STRING_BYTES = 64
-FAILURES = (
-    OSError,
-    RuntimeError,
-    ValueError,
-    KeyError,
-    TypeError,
-    AttributeError,
-    IndexError,
-    OverflowError,
-    MemoryError,
-)
+FAILURES = (OSError, RuntimeError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, MemoryError)
 
 
 _written: dict[Path, str] = {}  # what the files answer that this process is to write

@@ -14,9 +14,7 @@ if TYPE_CHECKING:
     from surrogate.gp.scattergp import ScatterGP
     from surrogate.transforms.curves.curvegp import CurveGP
     from surrogate.transforms.groupedgp import GroupedGP
-    from surrogate.transforms.groups import Grouping
-    from surrogate.transforms.inputs import Group
-    from surrogate.transforms.outputs import Scaling
+    from surrogate.transforms.groups import Group, Grouping, Scaling
     from surrogate.use.estimator import FactorialRegressor
 
 __all__ = [
@@ -46,12 +44,12 @@ _MODULES = {
     "FormatError": "storage.sealed",
     "GaussianProcess": "surrogate.face.model",
     "GridGP": "surrogate.gp.gridgp",
-    "Group": "surrogate.transforms.inputs",
+    "Group": "surrogate.transforms.groups",
     "GroupedGP": "surrogate.transforms.groupedgp",
     "Grouping": "surrogate.transforms.groups",
     "Input": "surrogate.data.inputs",
     "OutOfBoxError": "surrogate.data.points",
-    "Scaling": "surrogate.transforms.outputs",
+    "Scaling": "surrogate.transforms.groups",
     "ScatterGP": "surrogate.gp.scattergp",
     "chebyshev_levels": "surrogate.data.inputs",
     "load": "surrogate.face.persistence",

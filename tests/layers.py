@@ -4,9 +4,11 @@ A slow test starts programs, searches densely, solves in 50 digits, or fits a st
 """
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import pytest
+from hypothesis import settings
 
 #: Whether this is `make soak`.
 SOAK = bool(os.environ.get("MEECONTACT_SOAK"))
@@ -32,8 +34,14 @@ workflow/device/ workflow/learning/ workflow/measured/ workflow/report/test_cont
 workflow/report/test_figures.py workflow/report/test_films.py workflow/report/test_firstscreen.py
 workflow/study/test_categories.py workflow/study/test_grouped.py
 workflow/study/test_layered.py workflow/study/test_points.py workflow/study/test_surroundings.py
-workflow/test_surroundings.py
 """
+
+
+def few_and_many(few: int, many: int, **options: Any) -> Callable[[Callable[..., None]], Any]:
+    """A property of a few examples, always the same, and of many others in `make soak`; without a clock."""
+    count = many if SOAK else few
+    same = settings(max_examples=count, derandomize=not SOAK, deadline=None, database=None, **options)
+    return lambda test: pytest.mark.soakable(same(test))
 
 
 def slow(file: str, fixtures: Iterable[str] = ()) -> bool:

@@ -16,7 +16,6 @@ import xarray as xr
 
 import solver
 import surrogate
-from surrogate.face.core import Core
 from workflow.run.provenance import ROOT
 
 SHOWING = [
@@ -29,13 +28,13 @@ SHOWING = [
 PUBLIC = [getattr(room, name) for room in (solver, surrogate) for name in room.__all__]
 STORED = {"state", "restore", "make_factor", "members"}  # for `save` and `load`
 TRAINED = {"blocks", "whole"}  # for the pipeline, which trains in pieces
-ROUNDED = {"allowed", "followed", "witnesses"}  # for `surrogate.use.export`
-#: Methods that models and transforms give each other.
-OF_PHYSICAL_POINTS = {
+ROUNDED = {"allowed", "followed", "witnesses", "described"}  # for `surrogate.use.export`
+#: Methods that models and transforms give each other: a sentence each, with the shapes.
+BETWEEN_MODELS = {
     "all_mean_std", "mean_std", "means", "calibrated_at", "variance", "physical_slopes", "unit_slopes", "physical",
-    "slope_stds", "checked_level",
+    "slope_stds", "checked_level", "mean_variance", "slopes", "slope_variances", "parts", "corrected", "over",
+    "calibrate_under",
 }  # fmt: skip
-OF_A_CORE = {*vars(Core), *OF_PHYSICAL_POINTS, "over"}
 INNER = {"Grouping"}  # its methods are for GroupedGP
 
 
@@ -54,7 +53,7 @@ def test_everything_public_is_shown_in_an_example(thing: Any) -> None:
         assert thing.__name__ in shown(*filter(inspect.isclass, PUBLIC))
         family = [owner for owner in thing.__mro__ if owner.__module__.startswith(("solver", "surrogate"))]
         names = {name for owner in family for name in vars(owner) if name.strip("_") == name}
-        for name in names - STORED - TRAINED - ROUNDED - OF_A_CORE:
+        for name in names - STORED - TRAINED - ROUNDED - BETWEEN_MODELS:
             member = inspect.getattr_static(thing, name)
             if thing.__name__ not in INNER and (callable(member) or isinstance(member, property | classmethod)):
                 assert re.search(rf"\b{name}\b", shown(*family, getattr(thing, name, None), member)), name
@@ -149,11 +148,12 @@ def public_functions() -> Iterator[tuple[str, object]]:
                 yield name, thing
                 continue
             for base in thing.__mro__:
-                if base.__module__.partition(".")[0] in ("solver", "surrogate"):
+                if base.__module__.partition(".")[0] in ("solver", "surrogate") and name not in INNER:
                     for method, member in vars(base).items():
                         function = getattr(member, "__func__", member)
                         overridden = getattr(member, "__override__", False) or getattr(function, "__override__", False)
-                        if inspect.isfunction(function) and not method.startswith("_") and not overridden:
+                        inner = method.startswith("_") or method in STORED | BETWEEN_MODELS
+                        if inspect.isfunction(function) and not inner and not overridden:
                             yield f"{base.__name__}.{method}", function
 
 

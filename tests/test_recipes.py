@@ -62,23 +62,25 @@ RECIPES: dict[str, Steps] = {
                 "\n"
                 "\n"
                 "@dataclass(frozen=True)\n"
-                "class Tail(Statistic):\n"
+                "class Tail:\n"
                 '    """The mean of the worst share of the cases."""\n'
                 "\n"
-                '    forms = ("worst K % on average",)\n'
+                "    drawn: ClassVar[bool] = True\n"
                 "    share: float\n"
-                "\n"
-                "    @classmethod\n"
-                "    def read(cls, text):\n"
-                '        match = re.fullmatch(r"worst ([0-9.]+) % on average", text)\n'
-                "        return cls(float(match[1]) / 100) if match else None\n"
                 "\n"
                 "    @property\n"
                 "    def told(self):\n"
                 '        return f"(mean of the worst {100 * self.share:g} %)"\n'
-            )
+            ),
+            "        return Mean(": (
+                '    if match := re.fullmatch(r"worst ([0-9.]+) % on average", words):\n'
+                "        return Tail(float(match[1]) / 100)\n"
+            ),
         },
         "workflow/design/question/risk.py": {
+            "        return WorstCase()": (
+                "    if isinstance(statistic, statistics.Tail):\n        return Shortfall(statistic.share, sign)\n"
+            ),
             "    return MeanDeviation(-sign": (
                 "\n"
                 "\n"
@@ -97,19 +99,14 @@ RECIPES: dict[str, Steps] = {
                 "\n"
                 "    def jacobian(self, values):\n"
                 "        return _by_group(self._weights(values))\n"
-                "\n"
-                "\n"
-                "@measure.register\n"
-                "def _(statistic: statistics.Tail, sign: float) -> RiskMeasure:\n"
-                "    return Shortfall(statistic.share, sign)\n"
-            )
+            ),
         },
     },
     "a figure": {
         "workflow/report/figures/gaps.py": {"": ("def figure(validation, told):\n    raise NotImplementedError\n")},
         "workflow/report/captions/gaps.rst": {"": "Gaps.\n"},
         "workflow/report/sections.py": {
-            '                    Figure("intervals"': 'Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _slabs),\n'
+            '    Figure("intervals"': '    Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _factorial),\n'
         },
     },
 }

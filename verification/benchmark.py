@@ -19,13 +19,13 @@ from scipy.optimize import brentq, root
 import solver
 from solver.names import ALL_QUANTITIES, FACTORS
 from solver.surface.response import NORMAL, PHI, SurfaceBody
-from verification import film_air, integral_equations
+from verification import film_air, integral_equations, points
 from verification.cases import CHARGED, SIH_SONG, Array, Case, constants, half_length
 from verification.film_elements import Compared, Solved
-from verification.oracles import collocation, point, precise, surface
-from verification.oracles.fem_film import ELECTRIC, MAGNETIC, FilmContact, Layer, Punch
-from verification.oracles.fem_point import PointContact
+from verification.oracles import precise, surface
+from verification.oracles.fem_film import FilmContact, Layer, Punch
 from verification.oracles.sample_materials import hexagonal, lithium_niobate, quartz
+from verification.oracles.spectral import ELECTRIC, MAGNETIC
 from verification.oracles.surface_response import surface_response
 
 COLUMNS = ("problem", "quantity", "units", "value", "digits", "first", "second")
@@ -113,36 +113,18 @@ def cylinder() -> list[Number]:
 
 def cornered(name: str) -> list[Number]:
     """A punch with corners on the same half-plane."""
-    case, shape = integral_equations.PUNCHES[name]
-    loads = integral_equations.LOADS
-    surface = surface_response(constants(solver.find(SIH_SONG)))
-    charges = loads["charge"], loads["magnetic_charge"]
-    problem = collocation.Problem(
-        surface.normal_compliance,
-        surface.shear_coupling,
-        shape,
-        loads["friction"],
-        loads["load"],
-        *charges,
-        (1, 2),
-        TERMS,
-    )
-    contact = collocation.solve(problem)
+    case, surface = integral_equations.case_of(name), surface_response(constants(solver.find(SIH_SONG)))
+    answers = integral_equations.collocated(name, case, TERMS, surface)
+    longest = max("contact_leading", "contact_trailing", key=lambda end: float(answers[end]))
     names = ("depth", "voltage", "magnetic_potential")
-    answers = dict(zip(names, contact.punch_response(loads["datum"]), strict=True))
-    answers |= {"contact_trailing": contact.trailing, "contact_leading": contact.leading}
-    ends = (
-        ()
-        if name == "tilted flat"
-        else ("contact_leading" if contact.leading > contact.trailing else "contact_trailing",)
-    )
-    return _paired(solver.solve({"material": SIH_SONG} | case | loads), answers, (*ends, *names))
+    return _paired(solver.solve(case), answers, names if name == "tilted flat" else (longest, *names))
 
 
 def film(case: Case, half: float) -> list[Number]:
     """A cylinder on a film, at a half-length of the contact [m]."""
     loaded = case | {"load": _pressed(case, "load", half)}
-    contact, solved = Compared(Solved(loaded), LINE_ORDER).contact, solver.solve(loaded)
+    compared = Compared(Solved(loaded), LINE_ORDER)
+    contact, solved = compared.contact, compared.solved.solution
     numbers = [Number("load", float(loaded["load"]), contact.load)]
     if loaded.get("friction"):
         numbers.append(
@@ -172,8 +154,8 @@ def _pressed(case: Case, load: str, size: float) -> float:
 def air() -> list[Number]:
     """A cylinder that slides on a film with air beside the contact, at a half-length of 0.1 mm."""
     case = film_air.SLIDING | {"load": _pressed(film_air.SLIDING, "load", 1e-4)}
-    compared = film_air.Compared(case, AIR_ORDER)
-    contact, solved = compared.contact, compared.solved
+    compared = Compared(Solved(case), AIR_ORDER)
+    contact, solved = compared.contact, compared.solved.solution
     ends = Number("contact_trailing", float(solved["contact_trailing"]), contact.half_length + contact.centre)
     voltage = Number("voltage", float(solved["voltage"]), contact.potential(ELECTRIC))
     return [Number("load", float(case["load"]), contact.load), ends, voltage]
@@ -216,29 +198,14 @@ def strips() -> list[Number]:
 
 def ball() -> list[Number]:
     """A charged ball on a magneto-electro-elastic half-space."""
-    charges = {"total_charge": 3e-10, "total_flux": -2e-8}
-    solved = solver.solve({"material": SIH_SONG, "force": 10.0, "profile": "sphere", "radius": 5e-3} | charges)
-    exact = point.quantities(
-        constants(solver.find(SIH_SONG)),
-        exponent=2.0,
-        coefficient=100.0,
-        force=10.0,
-        charge=3e-10,
-        magnetic_charge=-2e-8,
-    )
     names = ("contact_radius", "depth", "peak_pressure", "voltage", "magnetic_potential", "charge_per_force")
-    return _paired(solved, exact, (*names, "contact_stiffness"))
+    return _paired(*points.precise(*points.PROFILES[0]), (*names, "contact_stiffness"))
 
 
 def ball_on_film(case: Case, radius: float) -> list[Number]:
     """A charged ball on a film, at a radius of the contact [m]."""
     pressed = case | {"force": _pressed(case, "force", radius)}
-    solved, alloyed = solver.solve(pressed), "scandium_fraction" in case
-    fraction = case.get("scandium_fraction", 0.0)
-    material = solver.aluminium_scandium_nitride(fraction) if alloyed else solver.find(case["material"])
-    base = None if case["base"] == "rigid" else constants(solver.find(case["base"]))
-    layers = [Layer(constants(material), case["thickness"])]
-    other = PointContact(layers, base, case["radius"], radius, case["total_charge"], 0.0, order=POINT_ORDER)
+    solved, other = points.by_elements(pressed, POINT_ORDER)
     numbers = [Number("force", float(pressed["force"]), other.force)]
     return [*numbers, *_paired(solved, {"depth": other.depth, "voltage": other.voltage}, ("depth", "voltage"))]
 
@@ -254,7 +221,7 @@ def disc() -> list[Number]:
     case = layer | {"profile": "disc", "width": width, "thickness": h, "base": "rigid", "surroundings": "insulated"}
     stiffness = float(solver.solve(case | {"force": 1.0})["contact_stiffness"])
     half_space = modulus / (1 - poisson**2) * width
-    return [Number("contact_stiffness", stiffness, half_space * hayes(poisson, width / 2 / h))]
+    return [Number("contact_stiffness", stiffness, half_space * points.hayes(poisson, width / 2 / h))]
 
 
 def grounded(case: Case, body: surface.Body, curvatures: tuple[float, float], **air: float) -> list[Number]:
@@ -340,26 +307,6 @@ def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -
         "peak_pressure": peak,
         "contact_area": np.pi * area,
     }
-
-
-def hayes(poisson: float, ratio: float, points: int = 80) -> float:
-    """Stiffness of a disc on a bonded elastic layer over that on a half-space, at a radius of `ratio` thicknesses.
-
-    f(x) + (1/pi) int_0^1 f(s) [K(x + s) + K(x - s)] ds = 1, K(u) = ratio int_0^inf (M(k) - 1) cos(ratio k u) dk with M
-    the layer's compliance over the half-space's; the ratio is the integral of f.
-    """
-    nodes, weights = np.polynomial.legendre.leggauss(400)
-    k, rule = 15 * (1 + nodes), 15 * weights  # M - 1 falls like exp(-2 k)
-    e = np.exp(-2 * k)
-    top = (3 - 4 * poisson) * (1 - e**2) / 2 - 2 * k * e
-    bottom = (3 - 4 * poisson) * (1 + e**2) / 2 + (2 * k**2 + 5 - 12 * poisson + 8 * poisson**2) * e
-    missing = rule * (top / bottom - 1)
-    nodes, weights = np.polynomial.legendre.leggauss(points)
-    x, weights = (1 + nodes) / 2, weights / 2
-    cosines = np.cos(ratio * np.multiply.outer(x, k))
-    kernel = 2 * ratio * np.einsum("xk,k,sk->xs", cosines, missing, cosines)  # cos(x+s) + cos(x-s) = 2 cos x cos s
-    f = np.linalg.solve(np.eye(points) + kernel * weights / np.pi, np.ones(points))
-    return float(weights @ f)
 
 
 _POINT_FILM: Case = _BALL | {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "radius": 5e-3}

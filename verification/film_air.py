@@ -1,18 +1,17 @@
 """Contacts with air beside them against spectral finite elements of body, gap and punch."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
-import xarray as xr
 
 import solver
-from verification.cases import Case, constants, half_length
-from verification.film_elements import orders_of, refined
-from verification.findings import Findings, Sizes, off
-from verification.oracles.fem_film import ELECTRIC, Layer, Punch
-from verification.oracles.fem_gap import GapContact
-from verification.oracles.sample_materials import isotropic
+from verification import film_elements
+from verification.cases import Case
+from verification.film_elements import Answers, Solved, orders_of, refined
+from verification.findings import Findings, Sizes
+from verification.oracles.spectral import ELECTRIC
 
 STEEL = 210e9, 0.3  # of the punch
 _FROM, _TO = 1.02, 5.0  # abs((x - c)/h) beside the contact, at which potentials are compared
@@ -36,12 +35,11 @@ FIELDS_COMPARED = {
     "inside": ("stresses and D half way down the film, below the contact and beside it", 1e-6),
 }
 X = np.array([-1.6, -0.6, 0.3, 1.4])
-INSIDE = ("stress_xx", "stress_yy", "stress_xy", "electric_displacement_x", "electric_displacement_y")
 
 
 def run(sizes: Sizes) -> Findings:
     """Every case at rising orders."""
-    contacts = {name: partial(Compared, case) for name, case in CASES.items()}
+    contacts = {name: partial(Compared, Solved(case)) for name, case in CASES.items()}
     return Findings(
         "Air beside the contact by finite elements",
         "Layers, base and an elastic punch in spectral elements, the air a spring on the potentials of the surface "
@@ -53,51 +51,38 @@ def run(sizes: Sizes) -> Findings:
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
-    """A case by both methods, the elements at the solver's half-length."""
-
-    case: Case
-    order: int
+class Compared(film_elements.Compared):
+    """A case in air by both methods, the elements at the solver's half-length."""
 
     @property
-    def compared(self) -> dict[str, tuple[str, float]]:
-        """Compared quantities: the words of each, and its tolerance at order 10."""
-        return COMPARED if "punch_modulus" in self.case else COMPARED | FIELDS_COMPARED
+    def compared(self) -> Mapping[str, tuple[str, float]]:
+        """Words of each compared quantity, and its tolerance at order 10."""
+        return COMPARED if self.solved.elasticity else COMPARED | FIELDS_COMPARED
 
-    def error(self, what: str) -> float:
-        """Relative error of one of ``COMPARED`` or ``FIELDS_COMPARED``."""
-        contact, solved = self.contact, self.solved
-        if what in FIELDS_COMPARED:
-            return self._exterior_error() if what == "beside" else self._interior_error()
-        if what == "load":
-            return off(contact.load, self.case["load"])
-        if what == "centre":
-            return off(contact.centre, solved["contact_offset"])
-        return off(contact.potential(ELECTRIC), solved["voltage"])
+    @property
+    def centre(self) -> tuple[Answers, Answers]:
+        """Centre of the contact; like the others below by the elements and by the solver."""
+        return {"centre": np.array(self.contact.centre)}, {"centre": self.solved.solution["contact_offset"].values}
 
-    def _exterior_error(self) -> float:
+    @property
+    def voltage(self) -> tuple[Answers, Answers]:
+        """Voltage of the punch."""
+        return {"voltage": np.array(self.contact.potential(ELECTRIC))}, {
+            "voltage": self.solved.solution["voltage"].values
+        }
+
+    @property
+    def beside(self) -> tuple[Answers, Answers]:
+        """Potential of the surface beside the contact, and the voltage, which it is compared with."""
         place, phi = self.contact.exterior(ELECTRIC)
         compared = np.flatnonzero((np.abs(place) > _FROM) & (np.abs(place) < _TO))[::5]
-        inside = solver.solve_interior(self.case, place[compared], [0.0], fields=["electric_potential"])
-        difference = inside["electric_potential"].to_numpy()[0] - phi[compared]
-        return float(np.max(np.abs(difference)) / abs(self.contact.potential(ELECTRIC)))
+        inside = solver.solve_interior(self.solved.case, place[compared], [0.0], fields=["electric_potential"])
+        both = phi[compared], inside["electric_potential"].values[0]
+        computed, expected = (np.append(values, self.contact.potential(ELECTRIC)) for values in both)
+        return {"potential": computed}, {"potential": expected}
 
-    def _interior_error(self) -> float:
-        depth = self.case["thickness"] / 2
-        expected, y = self.contact.fields(X, depth), -depth / self.contact.half_length
-        inside = solver.solve_interior(self.case, X, [y], fields=INSIDE)
-        return max(off(inside[name][0], expected[name]) for name in INSIDE)
-
-    @cached_property
-    def solved(self) -> xr.Dataset:
-        """Quantities of the solver."""
-        return solver.solve(self.case)
-
-    @cached_property
-    def contact(self) -> GapContact:
-        """The finite elements."""
-        case, half = self.case, float(half_length(self.solved))
-        layer = Layer(constants(solver.find(case["material"])), case["thickness"], (ELECTRIC,))
-        punch = Punch(case["radius"], case["friction"], case["charge"], 0.0, (ELECTRIC,))
-        elastic = isotropic(case["punch_modulus"], case["punch_poisson"]) if "punch_modulus" in case else None
-        return GapContact([layer], constants(solver.find(case["base"])), punch, half, order=self.order, elastic=elastic)
+    @property
+    def inside(self) -> tuple[Answers, Answers]:
+        """Fields half way down the film."""
+        depth = self.solved.case["thickness"] / 2
+        return self.contact.fields(X, depth), self.solved.inside(X, np.array([-depth / self.contact.half_length]))

@@ -3,27 +3,16 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import ClassVar, Protocol
 
 import numpy as np
+import xarray as xr
 
 import solver
 from verification.cases import Array, Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off
-from verification.oracles import fem_film
-from verification.oracles.fem_film import ELECTRIC, MAGNETIC
-from verification.oracles.spectral import FIELDS
-
-
-class Refined(Protocol):
-    """A case by the solver and by elements of one order."""
-
-    @property
-    def compared(self) -> Mapping[str, tuple[str, float]]:
-        """Words and tolerance at order 10 of each compared quantity."""
-
-    def error(self, what: str) -> float:
-        """Error of one of these."""
+from verification.oracles.fem_film import FilmContact, Layer, Punch
+from verification.oracles.sample_materials import isotropic
+from verification.oracles.spectral import ELECTRIC, FIELDS, MAGNETIC
 
 
 def orders_of(sizes: Sizes) -> list[int]:
@@ -32,7 +21,7 @@ def orders_of(sizes: Sizes) -> list[int]:
 
 
 def refined(
-    figure: str, shown: str, contacts: Mapping[str, Callable[[int], Refined]], sizes: Sizes
+    figure: str, shown: str, contacts: Mapping[str, Callable[[int], "Compared"]], sizes: Sizes
 ) -> tuple[list[Check], list[Curve]]:
     """Checks at the highest order, and curves of one error over all orders."""
     orders = orders_of(sizes)
@@ -121,10 +110,20 @@ class Solved:
         """T and J."""
         return self.case.get("charge", 0.0), self.case.get("magnetic_charge", 0.0)
 
+    @property
+    def elasticity(self) -> tuple[float, float] | None:
+        """Young's modulus [Pa] and Poisson's ratio of an elastic punch."""
+        return (self.case["punch_modulus"], self.case["punch_poisson"]) if "punch_modulus" in self.case else None
+
     @cached_property
+    def solution(self) -> xr.Dataset:
+        """Quantities of the solver."""
+        return solver.solve(self.case)
+
+    @property
     def half_length(self) -> float:
         """(a + b)/2 [m]."""
-        return float(half_length(solver.solve(self.case)))
+        return float(half_length(self.solution))
 
     def quantities(self, datum: float) -> Answers:
         """Quantities by name, the largest tractions of the lowest interface among them."""
@@ -180,7 +179,11 @@ class Compared:
 
     solved: Solved
     order: int
-    compared: ClassVar[dict[str, tuple[str, float]]] = COMPARED
+
+    @property
+    def compared(self) -> Mapping[str, tuple[str, float]]:
+        """Words of each compared quantity, and its tolerance at order 10."""
+        return COMPARED
 
     def error(self, what: str) -> float:
         """Largest error of one of ``COMPARED``."""
@@ -195,17 +198,19 @@ class Compared:
         return off(self.contact.load, self.solved.case["load"])
 
     @cached_property
-    def contact(self) -> fem_film.FilmContact:
+    def contact(self) -> FilmContact:
         """The finite elements, at the solver's half-length."""
         film, numbers = self.solved, np.array([ELECTRIC, MAGNETIC])
         *upper, (material, thickness) = film.layers
         grounded = numbers[[name == "grounded" for name in film.interface]]
-        layers = [fem_film.Layer(constants(above), thick, grounded=()) for above, thick in upper]
-        layers.append(fem_film.Layer(constants(material), thickness, tuple(grounded)))
+        layers = [Layer(constants(above), thick, grounded=()) for above, thick in upper]
+        layers.append(Layer(constants(material), thickness, tuple(grounded)))
         sliding = film.case["radius"], film.case.get("friction", 0.0)
-        punch = fem_film.Punch(*sliding, *film.charges, tuple(numbers[list(film.conducts)]))
+        elastic = None if film.elasticity is None else isotropic(*film.elasticity)
+        punch = Punch(*sliding, *film.charges, tuple(numbers[list(film.conducts)]), elastic)
         base = None if film.base is None else constants(film.base)
-        return fem_film.FilmContact(layers, base, punch, film.half_length, self.order)
+        air = float(film.case.get("surroundings") == "air")
+        return FilmContact(layers, base, punch, film.half_length, self.order, air)
 
     @cached_property
     def quantities(self) -> Answers:

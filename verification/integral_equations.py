@@ -91,7 +91,8 @@ def run(sizes: Sizes) -> Findings:
     )
 
 
-def _case(name: str, conducted: tuple[int, ...]) -> Case:
+def case_of(name: str, conducted: tuple[int, ...] = (1, 2)) -> Case:
+    """Charged punch of a name on a magneto-electro-elastic half-plane."""
     case = {"material": SIH_SONG, **PUNCHES[name][0], **LOADS}
     for i, field, charge in ((1, "electric", "charge"), (2, "magnetic", "magnetic_charge")):
         if i not in conducted:
@@ -111,11 +112,12 @@ def _problem(name: str, case: Case, terms: int, surface: SurfaceResponse) -> col
 
 def error(name: str, conducted: tuple[int, ...], terms: int, surface: SurfaceResponse) -> float:
     """Largest error of an end or a response over itself, or of a surface field over its largest value."""
-    case = _case(name, conducted)
-    return _difference(solver.solve(case, X), _collocated(name, case, terms, surface))
+    case = case_of(name, conducted)
+    return _difference(solver.solve(case, X), collocated(name, case, terms, surface))
 
 
-def _collocated(name: str, case: Case, terms: int, surface: SurfaceResponse) -> dict[str, Array]:
+def collocated(name: str, case: Case, terms: int, surface: SurfaceResponse) -> dict[str, Array]:
+    """Ends, response and surface fields of a case by collocation, by name."""
     return _answers(collocation.solve(_problem(name, case, terms, surface)), surface, case["datum"])
 
 
@@ -139,7 +141,7 @@ def _difference(solution: xr.Dataset, expected: dict[str, Array]) -> float:
 
 def _moment(surface: SurfaceResponse) -> float:
     """Relative error of the depth of a flat punch whose moment replaces its slope."""
-    case = _case("tilted flat", (1, 2))
+    case = case_of("tilted flat")
     numerical = collocation.solve(_problem("tilted flat", case, 8, surface))
     right, left, weight = collocation.end_proof_nodes()
     pressure = -numerical._tractions(right, left)[0]
@@ -154,7 +156,7 @@ def _circle(surface: SurfaceResponse) -> list[float]:
     slope = [0.0] * (_TAYLOR + 1)
     for k in range((_TAYLOR + 1) // 2):
         slope[2 * k + 1] = comb(2 * k, k) / 4**k / RADIUS ** (2 * k + 1)
-    case = _case("cylinder", (1, 2)) | {"load": _CIRCLE_LOAD, "charge": 0.0, "magnetic_charge": 0.0}
+    case = case_of("cylinder") | {"load": _CIRCLE_LOAD, "charge": 0.0, "magnetic_charge": 0.0}
     problem = replace(_problem("cylinder", case, 8, surface), profile=collocation.circle(RADIUS))
     del case["radius"]
     inside = X[np.abs(X) < 0.95]
@@ -179,12 +181,12 @@ def _timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
         "friction": random.uniform(0.05, 0.8, sizes.timed), "load": 10 ** random.uniform(4.5, 5.5, sizes.timed),
         "charge": random.uniform(-1e-6, 1e-6, sizes.timed), "magnetic_charge": random.uniform(-1e-3, 1e-3, sizes.timed),
     }  # fmt: skip
-    case = _case(name, (1, 2))
+    case = case_of(name)
     batch = case | {key: xr.DataArray(values, dims="case") for key, values in varied.items()}
     singles = [
         case | {key: float(values[i]) for key, values in varied.items()} for i in range(min(_TIMED, sizes.timed))
     ]
-    numerical = [partial(_collocated, name, single, terms, surface) for single in singles]
+    numerical = [partial(collocated, name, single, terms, surface) for single in singles]
     whole = solver.solve(batch, X)
     worst = max(_difference(whole.isel(case=i), run_one()) for i, run_one in enumerate(numerical))
     return Timing(

@@ -7,37 +7,22 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.body import HALF_PLANE_IN_AIR
-from solver.face.film import OnFilm
+from solver.face.film import OnFilm, Outputs
 from solver.face.filmbodies import Bodies, half_planes
 from solver.face.halfplane import contact_of
 from solver.gap.fields import body_curves, body_peaks, curves, fields, inside, peaks
 from solver.gap.quantities import quantities
-from solver.line.similar import Films
 from solver.names import PEAKS
 
 
 class FilmInAir(OnFilm):
     """Contact of cases of one kind of punch on films, with air beside it."""
 
-    def quantities(self) -> dict[str, Array]:
-        """Quantities of ``solver.body.FILM_IN_AIR`` that every case has; (...)."""
-        return self._of_groups(lambda films, places: quantities(films, self._medium(places)))
+    _outputs = Outputs(quantities, peaks, curves, fields, inside)
 
-    def _peaks(self, films: Films, places: Indices, names: Set[str]) -> dict[str, Array]:
-        return peaks(films, self._medium(places), names)
-
-    def _curves(self, films: Films, places: Indices, regions: Sequence[str]) -> dict[str, Array]:
-        return curves(films, self._medium(places), regions)
-
-    def _fields(self, films: Films, places: Indices, positions: Array) -> dict[str, Array]:
-        return fields(films, self._medium(places), positions)
-
-    def _inside(self, films: Films, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-        return inside(films, self._medium(places), x, y, names)
-
-    def _medium(self, places: Indices) -> Array:
+    def _medium(self, places: Indices) -> tuple[Array, ...]:
         """Relative permittivity of what fills the gaps of some cases; (place,)."""
-        return self._flat(self.cases.number("gap_permittivity"))[places]
+        return (self._flat(self.cases.number("gap_permittivity"))[places],)
 
 
 class HalfPlaneInAir(FilmInAir):
@@ -60,9 +45,9 @@ class HalfPlaneInAir(FilmInAir):
         names = [name for name in PEAKS if name in requested]
         if names:
             self._require_c12(f"{names[0]} needs")
-        return self._of_groups(lambda films, places: body_peaks(films, self._medium(places), requested))
+        return self._of_groups(body_peaks, requested)
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
         """Sizes and curves of the region ``body``; (...) and (..., point)."""
         self._require_c12("peak_von_mises needs")
-        return self._of_groups(lambda films, places: body_curves(films, self._medium(places)))
+        return self._of_groups(body_curves)

@@ -11,7 +11,7 @@ from solver.face.cases import Cases
 from solver.face.filmfactors import among, bare, in_space, kinds_of, refuse
 from solver.face.refusal import FactorError
 from solver.names import CHOICES, FACTORS, OF_AN_ELECTRODE
-from solver.stack.electrodereading import DISC, STRIP, Reading
+from solver.stack.electrodes import DISC, STRIP, Reading
 
 #: Factors of an electrode, and the factor that each needs beside it.
 _NEEDS = {

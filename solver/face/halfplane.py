@@ -11,11 +11,9 @@ from solver.face.materials import half_plane_of, material_of
 from solver.face.punches import punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.halfplane.contact import Contact
-from solver.halfplane.curves import body_curves
 from solver.halfplane.fields import Separable, surface_fields
-from solver.halfplane.interior import LINEAR, interior_parts
-from solver.halfplane.peaks import peak_principal_tension, peak_von_mises
-from solver.halfplane.potentials import POTENTIALS, potentials
+from solver.halfplane.interior import LINEAR, POTENTIALS, interior_parts, potentials
+from solver.halfplane.peaks import body_curves, peak_principal_tension, peak_von_mises
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.quantities import quantities

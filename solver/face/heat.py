@@ -11,11 +11,11 @@ import xarray as xr
 from solver.arrays import Array
 from solver.body import around
 from solver.face.filmfactors import absent, bare
+from solver.face.materials import material_named
 from solver.heat.charge import HeatedStack, HeatError, constant, film_gap
 from solver.heat.touch import Patch, Shape, Spot, Warmed
 from solver.material.composite import compose
 from solver.material.constants import Material
-from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH, punches
 from solver.names import (
     AIR,
@@ -53,22 +53,8 @@ def with_heat(
     phases: Sequence[str | Material],
 ) -> xr.Dataset:
     """Solved contacts with the quantities of heat, or with the reason for which they have none, over all factors."""
-    out = _added(out, arrays, materials, phases)
-    sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
-    all_factors = xr.DataArray(np.broadcast_to(0.0, tuple(sizes.values())), dims=tuple(sizes))
-    whole = {name: array.broadcast_like(all_factors) for name, array in out.data_vars.items()}
-    return out.assign({name: array.transpose(*sizes, ...) for name, array in whole.items()})
-
-
-def _added(
-    out: xr.Dataset,
-    arrays: Mapping[str, xr.DataArray],
-    materials: Mapping[str, Material],
-    phases: Sequence[str | Material],
-) -> xr.Dataset:
-    """Solved contacts, and the quantities of heat over the dimensions that these vary on."""
     charge = next((name for name in _CHARGES if name in out), None)
-    names = [name for name in (*_OF_A_STACK, *_OTHERS) if name in arrays]
+    factors = [name for name in (*_OF_A_STACK, *_OTHERS) if name in arrays]
     contact = [name for name in (*_CONTACT, *_CHARGES) if name in out]
     for name in (name for name in OF_HEAT if name in arrays):
         attrs = {"units": FACTORS[name].units, "long_name": FACTORS[name].long_name}
@@ -76,22 +62,26 @@ def _added(
     try:
         if charge is None:
             raise HeatError("heat: no electrode is read")
-        whole = xr.broadcast(
-            *(bare(arrays, name) for name in names), *(out[name].reset_coords(drop=True) for name in contact)
+        known = xr.broadcast(
+            *(bare(arrays, name) for name in factors), *(out[name].reset_coords(drop=True) for name in contact)
         )
         touches = _Touches(materials, phases)
-        columns = [array.values.ravel() for array in whole]
-        rows = (dict(zip((*names, *contact), row, strict=True)) for row in zip(*columns, strict=True))
+        columns = [array.values.ravel() for array in known]
+        rows = (dict(zip((*factors, *contact), row, strict=True)) for row in zip(*columns, strict=True))
         solved = np.array([touches.quantities(row) for row in rows])
     except HeatError as error:
-        return out.assign_attrs(heat=str(error).removeprefix("heat: "))
-    line = "contact_radius" not in out
-    kinds = [name for name in HEAT_QUANTITIES if name != ("heat_charge" if line else "heat_charge_per_length")]
-    values = {
-        name: (whole[0].dims, column.reshape(whole[0].shape), HEAT_QUANTITIES[name].attrs)
-        for name, column in zip(kinds, solved.T, strict=True)
-    }
-    return out.assign(values)
+        out = out.assign_attrs(heat=str(error).removeprefix("heat: "))
+    else:
+        absent_charge = "heat_charge_per_length" if "contact_radius" in out else "heat_charge"
+        kinds = [name for name in HEAT_QUANTITIES if name != absent_charge]
+        out = out.assign({
+            name: (known[0].dims, column.reshape(known[0].shape), HEAT_QUANTITIES[name].attrs)
+            for name, column in zip(kinds, solved.T, strict=True)
+        })  # fmt: skip
+    sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
+    all_factors = xr.DataArray(np.broadcast_to(0.0, tuple(sizes.values())), dims=tuple(sizes))
+    whole = {name: array.broadcast_like(all_factors) for name, array in out.data_vars.items()}
+    return out.assign({name: array.transpose(*sizes, ...) for name, array in whole.items()})
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,29 +128,28 @@ class _Touches:
         if not absent(case.get("base_volume_fraction")):
             raise HeatError("heat: not known for a graded film")
         if "material" in case:
-            material = self._found(case["material"])
+            material = material_named(case["material"], self.materials)
         else:
             kind = str(case.get("composite", CHOICES["composite"][0]))
-            phases = [self._found(phase) for phase in self.phases]
+            phases = [material_named(phase, self.materials) for phase in self.phases]
             material = compose(kind, phases, float(case[COMPOSITES[kind]]))
-        if absent(base := case.get("base")):
+        base = case.get("base", "")
+        if absent(base):
             raise HeatError("heat: not known for a base by its modulus: conductivity")
         interfaces = (
             None if absent(case.get(f"interface_{name}")) else str(case[f"interface_{name}"])
             for name in ("electric", "magnetic")
         )
         layer = Layer(material, float(case["thickness"]), *interfaces)
-        return Stack([layer], base if base == RIGID else self._found(base), electroded=case.get("electrode") == "top")
-
-    def _found(self, which: object) -> Material:
-        return which if isinstance(which, Material) else find(str(which), self.materials)
+        below = base if base == RIGID else material_named(base, self.materials)
+        return Stack([layer], below, electroded=case.get("electrode") == "top")
 
     def spot(self, case: Mapping[str, Any]) -> Spot:
         """The contact of one case; a punch that is rigid or has no name is a perfect conductor."""
-        which, punch = case.get("punch"), None
+        which, punch = case.get("punch", ""), None
         if not (absent(which) or which == RIGID_PUNCH):
             known = punches().get(str(which)) if str(which) not in self.materials else None
-            thermal = self._found(which).thermal if known is None else known.thermal
+            thermal = material_named(which, self.materials).thermal if known is None else known.thermal
             conductivity, capacity = (
                 constant(name, thermal, f"the punch {which}") for name in ("conductivity", "heat_capacity")
             )

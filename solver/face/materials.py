@@ -59,7 +59,7 @@ def phases_of(cases: Cases) -> tuple[Material, Material]:
     """Phase one and phase two of a composite."""
     if len(cases.phases) != 2:
         raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
-    first, two = (_found(phase, cases.materials) for phase in _named("phases", cases.phases))
+    first, two = (material_named(phase, cases.materials) for phase in _named("phases", cases.phases))
     return first, two
 
 
@@ -95,7 +95,7 @@ def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:
     """Materials by case; each is found and checked once, however many cases it has."""
     named = _named("material", which.flat)
     place = {m: k for k, m in enumerate(dict.fromkeys(named))}
-    chosen = [_found(m, materials) for m in place]
+    chosen = [material_named(m, materials) for m in place]
     for material in chosen:
         if material.shape:
             raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
@@ -115,5 +115,6 @@ def _named(factor: str, values: Iterable[object]) -> list[str | Material]:
     return named
 
 
-def _found(which: str | Material, materials: Mapping[str, Material]) -> Material:
+def material_named(which: str | Material, materials: Mapping[str, Material]) -> Material:
+    """The material of a name, a user's own before the built-in ones; a material as it is."""
     return which if isinstance(which, Material) else find(which, materials)

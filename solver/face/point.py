@@ -16,7 +16,7 @@ from solver.face.materials import half_plane_of
 from solver.face.punches import punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.fields import POINT_NEED_C12, POINT_SINGULAR
-from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane

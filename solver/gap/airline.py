@@ -16,7 +16,7 @@ from solver.arrays import Array, selected
 from solver.gap.newton import Frame, GapStates, Linear, Settled, Terms, continued, settled
 from solver.gap.operators import BALANCE, DISPLACEMENT, LOAD, SOLVING, AirTable, Operators
 from solver.line.contact import FilmContact, mean_power
-from solver.line.loading import Causes, Loading
+from solver.line.extent import Causes, Loading
 
 _EXTENT = 2  # unknowns before the charges: log h, c/h
 

@@ -105,10 +105,7 @@ class Charges:
 
     # -- off the surface -----------------------------------------------------------------------------------------------
     def transforms(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """H of all of them at points z above the surface or on it, or F; (2, point).
-
-        z: (point,), complex, X + iY.
-        """
+        """H of all charges, or F, at complex points z = X + iY (point,) above the surface or on it; (2, point)."""
         out: ComplexArray = np.empty((2, z.size), np.complex128)
         step = max(_TERMS_AT_ONCE // self._u.size, 1)
         for start in range(0, z.size, step):
@@ -211,10 +208,7 @@ class ChargeWindow:
         return result
 
     def add(self, out: ComplexArray, q: Array) -> None:
-        """Add its spectrum (2, wavenumber) at q.
-
-        out: (2, wavenumber), complex, what is added to; q: (wavenumber,), wavenumbers times the half-length.
-        """
+        """Add the window's spectrum to ``out`` (2, wavenumber), complex, at wavenumbers q times the half-length."""
         for least, most, X, (right, left) in self._bands:
             members = np.flatnonzero((q > least) & (q <= most))
             if members.size:

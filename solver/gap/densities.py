@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
 from solver.gap.grid import CLOSE, RULE, Grid, spans
-from solver.line.assembly import mixing
 from solver.line.kernel import POTENTIAL, Kernel
+from solver.line.outputs import mixing
 from solver.stack.reflection import low
 
 _DIGITS = 30.0  # exponent of the interpolation error between Chebyshev points: below rounding
@@ -96,10 +96,7 @@ def enough(strip: float, length: float) -> int:
 
 
 def far(wide: Kernel, x: Array, mix: Array) -> Array:
-    """Sums of channels at distances x [m], by the logarithm beyond the reach.
-
-    x: (...), m; mix: (19, c), from channels to sums.
-    """
+    """Sums ``mix`` (19, c) of channels at distances x (...) [m], by the logarithm beyond the reach; (..., c)."""
     values = wide.at(np.clip(x, -wide.reach, wide.reach), mix)
     beyond = np.abs(x) > wide.reach
     if np.any(beyond):

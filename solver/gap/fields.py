@@ -1,6 +1,6 @@
 """Fields of contacts with air beside them, on the surface and inside, case by case; their peaks and curves."""
 
-from collections.abc import Iterator, Sequence, Set
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar, Self
@@ -8,29 +8,24 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from approximation.arrays import Indices
-from approximation.summit import highest
 from solver.arrays import Array, ComplexArray
-from solver.curves import PRINCIPAL, REGIONS, VON_MISES
+from solver.curves import REGIONS
 from solver.fields import FIELDS
 from solver.gap.airline import LineSolution
 from solver.gap.charges import FAR, NEAR, Charges, Spectrum, from_smaller
 from solver.gap.densities import Densities
 from solver.gap.quantities import solutions
-from solver.halfplane.curves import lines as region_lines
-from solver.halfplane.curves import named
-from solver.halfplane.interior import LINEAR
-from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.interior import LINEAR, POTENTIALS
+from solver.halfplane.peaks import lines as region_lines
+from solver.halfplane.peaks import named
 from solver.line import quantities as film
-from solver.line.assembly import Assembly, mixing
-from solver.line.contact import FilmContact
+from solver.line.fields import in_blocks, local_fields, of_local
 from solver.line.interior import Interior, fields_of
-from solver.line.interiorfields import in_blocks
 from solver.line.kernel import kernel
-from solver.line.peaks import PeakTable
+from solver.line.outputs import Assembly, mixing
+from solver.line.peaks import PeakTable, of_whole_body
 from solver.line.similar import Films
-from solver.line.stressnets import Net, Nets, of_whole
-from solver.line.surface import local_fields, of_local
+from solver.line.stressnets import Net, of_whole, require_depth
 from solver.line.system import System
 from solver.line.tractions import Tractions
 from solver.names import PEAKS
@@ -98,10 +93,7 @@ class AirTractions(Tractions):
         return {}
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """Hilbert transforms at points z (1, point) above the surface, as of a contact; (4, 1, point, 1).
-
-        z: (1, point), complex, X + iY.
-        """
+        """Hilbert transforms at points z = X + iY (1, point) above the surface, as of a contact; (4, 1, point, 1)."""
         result = super().on_plane(z, integrated=integrated)
         result[2:, 0, :, 0] += self.exterior_charges.transforms(z[0], integrated=integrated)
         return result
@@ -184,10 +176,7 @@ class Solved:
 
 
 def surface_fields(state: LineSolution, positions: Array) -> dict[str, Array]:
-    """Fields of one case at positions X = (x - c)/h, finite and never exactly +-1; (1, position) each.
-
-    positions: (position,), X.
-    """
+    """Fields of one case at positions X = (x - c)/h (position,), finite and never exactly +-1; (1, position) each."""
     solved, X = Solved(state, positions), positions
     system, beyond = solved.system, np.abs(positions) > 1
     c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns
@@ -251,15 +240,13 @@ def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, 
     """Requested quantities of ``solver.names.PEAKS`` of half-planes, treated as films of themselves; (case,) each."""
     out = {name: np.empty(films.load.size) for name in PEAKS if name in names}
     for place, state in solutions(films, permittivity) if out else ():
-        h = np.array([state.half])
+        h, half_length = np.array([state.half]), state.half * films.thickness[place]
         net = of_whole(films.kind.stack(), state.half, _BOTTOM, _FAR)
         tractions = _reaching(state, 1 + _FAR)
         stresses = Interior(tractions).fields(net.positions(h, net.line), -net.depths(h), LINEAR[:4])[..., 0]
-        shear, pull = (highest(stresses, net.across, measure) for measure in (VON_MISES, PRINCIPAL))
-        depth = net.depth_at(state.half, shear.down) * h * films.thickness[place]
-        least = _NOTHING * films.load[place] / (2 * state.half * films.thickness[place])
-        result = (shear.value, depth, np.where(pull.value < least, 0.0, pull.value))
-        for name, value in zip(PEAKS, result, strict=True):
+        largest, depth, tension = of_whole_body(stresses, net, state.half).values()
+        is_nothing = tension < _NOTHING * films.load[place] / (2 * half_length)
+        for name, value in zip(PEAKS, (largest, depth * half_length, np.where(is_nothing, 0.0, tension)), strict=True):
             if name in out:
                 out[name][place] = value[0]
     return out
@@ -288,28 +275,13 @@ def _reaching(state: LineSolution, farthest: float) -> AirTractions:
     return replace(Solved(state, _EDGES).tractions, widest=(1 + farthest) * state.half)
 
 
-def _tables(films: Films, permittivity: Array) -> Iterator[tuple[Indices, PeakTable, FilmContact]]:
+def _tables(films: Films, permittivity: Array) -> film.PeakTables:
     """Cases with the stresses below them, one at a time."""
     for place, state in solutions(films, permittivity):
         half = np.array([state.half])
-        film.require_depth(films.kind, half)
+        require_depth(half / films.kind.stack().thickness, "half-length")
         table = replace(state.contact.table, lower=state.half, upper=state.half)
-        c = state.contact
-        extent = Extent(table, c.profile, c.load, c.charges, c.datum, c.punch_datum, half)
-        yield np.array([place]), AirPeaks(table, state), extent
-
-
-@dataclass(frozen=True, eq=False)
-class Extent(FilmContact):
-    """A contact of a half-length that is known [m]; (case,)."""
-
-    half: Array | None = None
-
-    @property
-    def half_width(self) -> Array:
-        """h = (a + b)/2 [m]."""
-        assert self.half is not None
-        return self.half
+        yield np.array([place]), AirPeaks(table, state), half, state.causes[None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -329,16 +301,13 @@ class AirPeaks(PeakTable):
     @cached_property
     def _reach(self) -> float:
         """X to which the five panels over the interface extend, the longest of a region's."""
-        net = Nets(self.table.system.kernel.stack, self.state.half, self.state.half).interface
+        net = self.net("interface")
         return float(np.max(net.positions(np.array([self.state.half]), net.line)))
 
     @cached_property
     def _near(self) -> AirTractions:
         return _reaching(self.state, self._reach)
 
-    def read(self, contact: FilmContact, series: Array, cases: slice = slice(None)) -> Array:
-        """The stresses of the one case.
-
-        series: (1, stress, depth, x), Pa.
-        """
+    def read(self, half_width: Array, causes: Array, series: Array) -> Array:
+        """The stresses of the one case, which are the series itself; (1, stress, depth, x), Pa."""
         return series

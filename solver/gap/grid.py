@@ -35,19 +35,13 @@ _ELLIPSE = 4.0  # rho^-16 is left, beside densities of degree 6: 2e-10
 
 
 def spans(start: Array, stop: Array) -> tuple[Array, Array]:
-    """Nodes and weights on each interval; (interval, node) each.
-
-    start, stop: (interval,), ends of the intervals.
-    """
+    """Nodes and weights on intervals from start to stop, (interval,) each; (interval, node) each."""
     length = (stop - start)[:, None]
     return start[:, None] + length * _SHARE, length * _WEIGHTS
 
 
 def gauss(ends: Array, count: int) -> tuple[Array, Array]:
-    """Gauss's rule on each interval between ends: nodes and weights.
-
-    ends: (interval + 1,).
-    """
+    """Nodes and weights of Gauss's rule on each interval between ends (interval + 1,); (node,) each."""
     x, w = legendre_rule(count)
     half = np.diff(ends) / 2
     return (ends[:-1, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
@@ -164,10 +158,7 @@ class Grid:
         return np.concatenate([powers, logs], -1)
 
     def interpolations(self, panels: Indices, u: Array) -> Array:
-        """Interpolation matrices from the nodes of panels (piece,) to points u (piece, point); (piece, point, node).
-
-        panels: (piece,); u: (piece, point).
-        """
+        """Interpolation matrices from nodes of panels (piece,) to points u (piece, point); (piece, point, node)."""
         low, high = self.limits[panels].T[..., None]
         distance = ((2 * u - low - high) / (high - low))[..., None] - self._local
         share = self._barycentric / np.where(distance == 0, 1e-200, distance)  # at a node it alone counts
@@ -177,10 +168,7 @@ class Grid:
         return np.asarray(share)
 
     def interpolations_at(self, panels: Indices, theta: Array) -> Array:
-        """The same at theta.
-
-        panels: (piece,); theta: (piece, point).
-        """
+        """Interpolation matrices from nodes of panels (piece,) to theta (piece, point); (piece, point, node)."""
         infinite = (panels == self.panels - 1)[:, None]
         return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
 
@@ -238,10 +226,7 @@ class Grid:
         return points, np.einsum("pqc,pqn->cpn", values, shape).reshape(count, -1)
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
-        """Mark intervals whose rule is inaccurate for a kernel with singularities at X +- i strip; (point, interval).
-
-        X: (point,).
-        """
+        """Mark intervals whose rule errs for a kernel with singularities at X +- i strip; (point, interval)."""
         theta = np.arccosh(X + 1j * strip)[:, None]
         infinite = self.rules.panel == self.panels - 1
         return self.rules.rough(np.where(infinite, np.exp(-theta), theta))

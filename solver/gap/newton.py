@@ -114,10 +114,7 @@ class Reading:
         return np.asarray(np.einsum("cp,cprn->crn", self.weights[0], self.values))
 
     def times(self, columns: Array, rows: int | None = None) -> Array:
-        """Outputs, or the first of them, and their derivatives in log size; (2, case, row, k).
-
-        columns: (case, column, k), sizes of the columns.
-        """
+        """(First) outputs of columns of sizes (case, column, k), and derivatives in log size; (2, case, row, k)."""
         values, (cases, count, k) = self.values[..., :rows, :], columns.shape
         if values.ndim == 3:
             flat = values.reshape(-1, count) @ np.moveaxis(columns, 1, 0).reshape(count, -1)
@@ -343,10 +340,7 @@ class GapStates(ABC):
         return result
 
     def response_rates(self, directions: Array) -> Array:
-        """Derivatives of the response along directions; (case, 1 + charge, k).
-
-        directions: (case, unknown, k).
-        """
+        """Derivatives of the response along directions (case, unknown, k); (case, 1 + charge, k)."""
         return self.response.rates(self._rates(directions, self.frame.heads), directions[:, : self.first])
 
     def steps(self, chords: Sequence[Factored]) -> Array:

@@ -1,6 +1,6 @@
 """Effect of exterior charges on a contact and on the exterior surface, at given half-lengths (theory section 10).
 
-Everything is linear in the causes of the contact (:mod:`solver.line.loading`) and in the densities at the nodes of both
+Everything is linear in the causes of the contact (:mod:`solver.line.extent`) and in the densities at the nodes of both
 sides: the smooth kernels of a stack make a right side of them for the contact's own system, the half-plane's part is
 closed (:mod:`solver.gap.grid`). Powers of the half-length are taken out; units are those of the stack.
 """
@@ -18,10 +18,10 @@ from solver.gap.grid import CLOSE, GROWING, LEVEL, Grid, gauss
 from solver.gap.newton import Outputs
 from solver.gap.refusal import GapError
 from solver.line import outputs
-from solver.line.assembly import Assembly, mixing
 from solver.line.basis import Basis
 from solver.line.contact import FilmContact
 from solver.line.kernel import Kernel, kernel
+from solver.line.outputs import Assembly, mixing
 from solver.line.system import SAMPLES, System
 from solver.line.table import Table, batches
 from solver.stack.reflection import low

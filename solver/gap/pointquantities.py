@@ -17,7 +17,7 @@ from solver.gap.refusal import lacking_at_point, require
 from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, RingWindows
 from solver.gap.rings import reach_of, rings
 from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
-from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.pressing import ContactError
 from solver.line.windows import FIRST, LAST
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY

@@ -43,10 +43,7 @@ class AirPointTractions(Tractions):
         return [float(end) for end in np.cosh(self.exterior_charges.ends[1:])]
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Densities in b on the contact and at b > 1; (1, 4, b) each.
-
-        b: (b,), over a.
-        """
+        """Densities at b (b,) over a, on the contact and at b > 1, at rest and of cos(angle); (1, 4, b) each."""
         within = b <= 1
         right, left = self.exterior_charges.density(b[~within]), self.exterior_charges.density(-b[~within])
         first, second = super().vectors(b[within], columns)
@@ -54,10 +51,7 @@ class AirPointTractions(Tractions):
         return plain, None if second is None else _continued(second, within, right - left)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Hankel transforms of the contact and its rings; (k, 4, 1) each.
-
-        phases: (k,), k a.
-        """
+        """Hankel transforms of the contact and its rings at phases k a (k,); (k, 4, 1) each."""
         rule = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
         first, second = super().vectors(rule.b, columns)
         spectrum = self._spectrum(float(np.max(phases))).values(phases)

@@ -13,7 +13,8 @@ from solver.gap.grid import peak_of_panels
 from solver.gap.newton import together
 from solver.gap.operators import WITHIN, AirTable, farthest, grid_of
 from solver.gap.refusal import lacking, require
-from solver.line.peakpressure import largest, pressure_series
+from solver.halfplane.peakpressure import largest
+from solver.line.outputs import pressure_series
 from solver.line.similar import Films
 from solver.line.system import SAMPLES
 from solver.line.windows import Kind, window

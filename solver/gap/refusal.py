@@ -38,10 +38,7 @@ def lacking(kind: Kind) -> str | None:
 
 
 def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
-    """The same of point contacts; conducts (case, 2).
-
-    conducts: (case, 2), electric and magnetic.
-    """
+    """Why point contacts of a conduction (case, 2) cannot have air beside them; none if they can."""
     shape: Shape = body.shape
     if not np.all(np.any(conducts, -1)):
         return _IDLE

@@ -297,10 +297,7 @@ class RingOperators:
         return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
 
     def within(self, radius: float, targets: Array, below: ContactRule) -> Array:
-        """Kernel matrix of the layers from S below the contact to targets; (channel, channel, target, node).
-
-        targets: (target,), s.
-        """
+        """Kernels of the layers from S below the contact to targets s (target,); (channel, channel, target, node)."""
         distances = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
         near, far = self._added.at(radius * distances)
         return self._paired(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
@@ -352,10 +349,7 @@ class RingOperators:
 
 
 def summed(kernels: Array, S: Array) -> Array:
-    """Kernels of S; (channel, target, column).
-
-    kernels: (channel, channel, target, node); S: (channel, node, column).
-    """
+    """Kernels (channel, channel, target, node) of S (channel, node, column); (channel, target, column)."""
     return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
 
 
@@ -440,10 +434,7 @@ class RingWindows:
 
     @classmethod
     def of(cls, kind: PointKind, ratios: Array) -> Self:
-        """Choose tables for the radii of one call.
-
-        ratios: (...), contact radii over the thickness.
-        """
+        """Choose tables for the contact radii over the thickness of one call."""
         places_of: dict[int, set[int]] = {}
         for ratio in np.unique(ratios).tolist():
             places_of.setdefault(_number(ratio), set()).add(_place(ratio))

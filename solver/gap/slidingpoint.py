@@ -114,10 +114,7 @@ class RingHarmonic:
         return self.operators.settled(self.operators.within(radius, targets, below), added)
 
     def closed(self, s: Array, pressed: Density) -> Array:
-        """S of a half-space below the contact, of shift and friction; (channel, s, 2).
-
-        s: (s,), 0 to 1.
-        """
+        """S of a half-space below the contact, of shift and friction, at s (s,) from 0 to 1; (channel, s, 2)."""
         along, moved = self.response.answers
         columns = [moved[:, None] * s ** (self.response.shape.exponent - 1), -along[:, None] * pressed.turned(s)[0, 0]]
         return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
@@ -266,10 +263,7 @@ class SlidingPoint:
         return result
 
     def sines(self, b: Array) -> Array:
-        """psi over C a^(e-1) below the contact; (3, b).
-
-        b: (b,), 0 to 1.
-        """
+        """psi over C a^(e-1) below the contact at b (b,) from 0 to 1; (3, b)."""
         closed = self.response.closed(self.friction * self.pressed.turned(b)[0, 0], b, np.array(self.shift))
         return np.asarray(closed + self.series @ legendre(b, self.series.shape[1]).T)
 
@@ -387,10 +381,7 @@ def largest_beside(states: PointStates, slid: Sequence[SlidingPoint | None], pla
 
 
 def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
-    """sigma_xx just outside the trailing edge, where the surface carries charges [Pa].
-
-    units: (3,), of the body.
-    """
+    """sigma_xx [Pa] just outside the trailing edge, with the surface's charges; units (3,) are those of the body."""
     unit = slid.at_rest.unit / units
     first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.pressed))
     result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)

@@ -10,13 +10,12 @@ from functools import cached_property
 import numpy as np
 
 from solver.arrays import Array
+from solver.halfplane.peakpressure import largest
 from solver.halfplane.pressing import Pressing, press
 from solver.halfplane.profile import Profile
-from solver.halfplane.shape import Shape
+from solver.halfplane.shape import Shape, chebyshev_of_powers
 from solver.halfplane.sliding import FrictionAngle, Sliding
 from solver.halfplane.surface import HalfPlane
-
-_NEWTON_STEPS = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,25 +86,15 @@ class Contact:
 
     @cached_property
     def peak_pressure(self) -> Array:
-        """Largest contact pressure [Pa], of a contact with two smooth edges: Newton's iteration from a scan."""
-        factor = self.shape.factor
-        first, second = _derivative(factor), _derivative(_derivative(factor))
-        delta, cos = self.angle.delta, self.angle.cos
-        place = -2 * delta  # exact where the factor is constant
-        if factor.shape[-1] > 1:
-            scan = np.cos(np.pi * (np.arange(256) + 0.5) / 256)
-            pressure = -self.shape.traction(scan)[0]
-            place = scan[np.argmax(pressure, -1)]
-            for _ in range(_NEWTON_STEPS):
-                ratio = _at(first, place) / _at(factor, place)
-                slope = -(0.5 + delta) / (1 - place) + (0.5 - delta) / (1 + place) + ratio
-                bend = -(0.5 + delta) / (1 - place) ** 2 - (0.5 - delta) / (1 + place) ** 2
-                step = slope / (bend + _at(second, place) / _at(factor, place) - ratio**2)
-                place = np.clip(place - step, (place - 1) / 2, (place + 1) / 2)
-                if np.all(np.abs(step) < 1e-9):  # of second order in the pressure
-                    break
-        weight = np.sqrt((1 - place) * (1 + place)) * np.exp(delta * np.log((1 - place) / (1 + place)))
-        return np.asarray(-self.pressure_scale * cos * weight * _at(factor, place))
+        """Largest contact pressure [Pa], of a contact with two smooth edges."""
+        factor, delta = -self.shape.factor, self.angle.delta
+        if factor.shape[-1] == 1:  # it is largest at -2 delta
+            weight = np.sqrt((1 - 2 * delta) * (1 + 2 * delta)) * np.exp(2 * delta * np.arctanh(2 * delta))
+            return np.asarray(self.pressure_scale * self.angle.cos * weight * factor[..., 0])
+        shape = np.broadcast_shapes(factor.shape[:-1], delta.shape)
+        series = np.broadcast_to(factor @ chebyshev_of_powers(factor.shape[-1]), (*shape, factor.shape[-1]))
+        peaks = largest(series.reshape(-1, factor.shape[-1]), 0.5 + np.broadcast_to(delta, shape).ravel())
+        return np.asarray(self.pressure_scale * self.angle.cos * peaks.reshape(shape))
 
     @cached_property
     def charge_density(self) -> Array:
@@ -132,7 +121,7 @@ class Contact:
 
     def edge_stress(self, edge: float) -> Array:
         """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (...)."""
-        slope = _at(self.pressing.slope, np.array(edge))
+        slope = np.polynomial.polynomial.polyval(edge, np.moveaxis(self.pressing.slope, -1, 0))
         per_slope = self.halfplane.in_plane_stiffness * self.halfplane.tangential_compliance * self.friction
         return per_slope * self.pressure_scale * slope
 
@@ -140,14 +129,3 @@ class Contact:
 def _by_field(electric: Array, magnetic: Array) -> Array:
     """Values of both fields along the last axis, the cases of each side by side in memory; (..., 2)."""
     return np.moveaxis(np.stack(np.broadcast_arrays(electric, magnetic)), 0, -1)
-
-
-def _derivative(coefficients: Array) -> Array:
-    """Derivative of a polynomial in ascending powers; (..., max(k - 1, 1))."""
-    count = coefficients.shape[-1]
-    return coefficients[..., 1:] * np.arange(1, count) if count > 1 else 0 * coefficients
-
-
-def _at(coefficients: Array, x: Array) -> Array:
-    """The polynomial of each case at its own point."""
-    return np.asarray(np.polynomial.polynomial.polyval(x, np.moveaxis(coefficients, -1, 0), tensor=False))

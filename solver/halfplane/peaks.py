@@ -1,9 +1,13 @@
-"""Largest von Mises stress and largest principal stress of the body below a depth of 0.1 h.
+"""Largest von Mises stress and largest principal stress of the body below a depth of 0.1 h, and their curves.
 
 In units of the half-width and of the pressure scale the stresses depend on material, friction, conduction, profile and
 on charges per load; nothing else. A scan over the body finds the local maxima of each such case, then Newton's
 iteration on difference quotients, batched over cases and maxima, climbs to their tops within the body. Stresses decay
 as 1/r, and a far field of one direction is largest at the least depth: the scan goes far only along that line.
+
+The curves are the stresses on panels tied to the edges of the contact. The coordinate s across is X up to the edges;
+beyond, X = 1 + (s - 1)/(2 - s), so that s = 2 at infinity. The coordinate of the depth, from 0 to 1, is even in the
+logarithm from 0.1 h to 2 h. No largest von Mises stress lies deeper, and no tension as large as one at the least depth.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,11 +18,14 @@ from typing import NamedTuple
 import numpy as np
 
 from solver.arrays import Array, BoolArray
+from solver.curves import REGIONS
 from solver.halfplane.contact import Contact
 from solver.halfplane.interior import InteriorParts, interior_parts, principal_tension, von_mises
 
 DEPTH = 0.1  # of the half-width: the least depth
-_STRESSES = ("stress_xx", "stress_yy", "stress_xy", "stress_zz")
+_DEEPEST = 2.0  # of the half-width: the largest depth of the curves
+_REGION = REGIONS["body"]
+_STRESSES = _REGION.fields[:4]
 _ACROSS = np.concatenate([np.linspace(0.0, 0.6, 7), 1 + np.linspace(-0.36, 0.36, 37), 1.36 * 1.5 ** np.arange(1, 6)])
 _AWAY: Array = np.asarray(6.0 * 1.5 ** np.arange(31), dtype=np.float64)
 _LEAST = np.array([-DEPTH])
@@ -248,3 +255,24 @@ def _part(values: Array, chunk: tuple[slice, ...], point_axes: int) -> Array:
     axes = values.ndim - point_axes
     block = chunk[len(chunk) - axes :] if axes else ()
     return values[tuple(slice(None) if size == 1 else part for size, part in zip(values.shape, block, strict=False))]
+
+
+def body_curves(contact: Contact) -> dict[str, Array]:
+    """Fields of the region ``body`` by name; (..., point), SI."""
+    X, depth = (_REGION.panels.by_panel(whole) for whole in np.meshgrid(*lines()))
+    stresses = interior_parts(contact, X, -depth, _STRESSES).whole(contact)
+    return named(stresses, contact.half_width, depth)
+
+
+def named(stresses: Array, half_width: Array, depth: Array) -> dict[str, Array]:
+    """Fields of the region by name, SI, from stresses (..., 4, point) [Pa] at depths over h (point,)."""
+    curves = {f"body_{name}": stresses[..., k, :] for k, name in enumerate(_STRESSES)}
+    return curves | {"body_depth": half_width[..., None] * depth}
+
+
+def lines() -> tuple[Array, Array]:
+    """X of the points across, and depths over h of those down."""
+    across, down = _REGION.lines()
+    size = np.abs(across)
+    X = np.where(size < 1, across, np.sign(across) * (1 + (size - 1) / (2 - size)))
+    return X, DEPTH * (_DEEPEST / DEPTH) ** down

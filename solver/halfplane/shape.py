@@ -73,7 +73,7 @@ class Shape:
     @cached_property
     def _chebyshev(self) -> Array:
         """V in Chebyshev polynomials, which are (u^j + u^-j)/2; (..., degree + m + n + 1)."""
-        return np.asarray(self._power @ _chebyshev_of_powers(self._power.shape[-1]))
+        return np.asarray(self._power @ chebyshev_of_powers(self._power.shape[-1]))
 
     def _laurent(self, numbers: range) -> Array:
         """Coefficients of u^k, k of the numbers, in V Phi; (..., number)."""
@@ -197,7 +197,7 @@ class Shape:
 
 
 @cache
-def _chebyshev_of_powers(count: int) -> Array:
+def chebyshev_of_powers(count: int) -> Array:
     """Chebyshev coefficients of the powers 1 to x^(count - 1); (power, count)."""
     rows = [np.polynomial.chebyshev.poly2cheb(row) for row in np.eye(count)]
     return np.array([np.pad(row, (0, count - len(row))) for row in rows])
@@ -209,10 +209,7 @@ def _contracted(coefficients: Array, values: Sequence[Array]) -> Array:
 
 
 def imbalance(angle: FrictionAngle, slope: Sequence[Array]) -> Array:
-    """The 1/z term of G/X(z), which vanishes for a contact with two smooth edges; (...).
-
-    slope: coefficients of G, (...) each.
-    """
+    """The 1/z term of G/X(z), 0 between two smooth edges, of the coefficients (...) of G; (...)."""
     return _coefficient(slope, _edge_series(angle.delta, (True, True), len(slope)), 0)
 
 

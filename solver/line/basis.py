@@ -105,10 +105,7 @@ class Basis:
         return jacobi(self.pressures, *self.exponents, X)
 
     def dual(self, X: Array, count: int) -> Array:
-        """P_j^(-A,-B); (count, X).
-
-        X: (X,), points within [-1, 1].
-        """
+        """P_j^(-A,-B) at X, (X,), within [-1, 1]; (count, X)."""
         A, B = self.exponents
         return jacobi(count, -A, -B, X).T
 
@@ -139,10 +136,7 @@ class Basis:
         return np.moveaxis(out, 0, -1)
 
     def transformed(self, z: Points, terms: Array) -> Points:
-        """H[w sum_j terms_j P_j] off the contact; (..., c).
-
-        z: (...), points as for :meth:`transforms`; terms: (pressures, c).
-        """
+        """H[w sum_j terms_j P_j] off the contact, at z as for :meth:`transforms`, of terms (pressures, c); (..., c)."""
 
         def near(z: Points) -> Points:
             outside = self._outside(z)[..., None] * (self.pressure_factor(z) @ terms)
@@ -198,10 +192,7 @@ def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
 def off_contact(
     z: Points, count: int, exponents: tuple[float, float], terms: Array, near: Callable[[Points], Points]
 ) -> Points:
-    """H[w sum_j terms_j P_j] off the contact: by Gauss's rules, next to it closed; (..., c).
-
-    z: (...), points, real with |z| > 1, or complex with Im z >= 0; terms: (j, c).
-    """
+    """H[w sum_j terms_j P_j] off the contact at z, (...), |z| > 1 or Im z >= 0, of terms (j, c); (..., c)."""
     cancellation = 2 * count * np.log(np.abs(ellipse(z)[0]))
     out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
     close = cancellation < CANCELS
@@ -247,10 +238,7 @@ def log_mean(S: Array) -> Array:
 
 
 def jacobi(count: int, a: float, b: float, X: Points) -> Points:
-    """Jacobi polynomials P_j^(a,b), by their recurrence; (..., count).
-
-    X: (...), real or complex points.
-    """
+    """Jacobi polynomials P_j^(a,b) at real or complex X, (...), by their recurrence; (..., count)."""
     values = np.ones((count, *X.shape), X.dtype)
     if count > 1:
         values[1] = (a + 1) + (a + b + 2) * (X - 1) / 2

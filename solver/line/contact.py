@@ -14,8 +14,7 @@ from solver.arrays import Array, dot
 from solver.halfplane.profile import Profile
 from solver.line import outputs
 from solver.line.basis import mean_rule
-from solver.line.extent import extent
-from solver.line.loading import Causes, Loading
+from solver.line.extent import Causes, Loading, extent
 from solver.line.table import Table
 from solver.stack.electroded import lowest
 
@@ -257,9 +256,6 @@ def _moved(read: Array, rate: Array, causes: Causes) -> Array:
 
 
 def mean_power(centre: Array, n: int) -> Array:
-    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule; (case,).
-
-    centre: (case,), c/h.
-    """
+    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2) at c/h (case,), by Gauss's rule; (case,)."""
     X, weights = mean_rule(n // 2 + 4)
     return np.asarray((X + centre[:, None]) ** n @ weights)

@@ -16,8 +16,7 @@ from solver.arrays import Array, ComplexArray, joined
 from solver.line.contact import FilmContact
 from solver.line.similar import Films
 from solver.line.windows import Kind, traction_window
-from solver.stack.electrodereading import Reading
-from solver.stack.electrodes import Electrode, FarError, octave_of, transfers
+from solver.stack.electrodes import Electrode, FarError, Reading, octave_of, transfers
 from solver.stack.layers import StackError
 
 _CHARGES_AT_ONCE = 200_000  # transforms of cases at wavenumbers held at once

@@ -11,13 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, ComplexArray
-from solver.halfplane.interior import LINEAR, field_rows
-from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.interior import LINEAR, POTENTIALS, field_rows
 from solver.line.tractions import Tractions
 from solver.stack.fourier import Medium
 from solver.stack.layers import Stack, StackError
-from solver.stack.layerwaves import TURN, below, layer_waves, modal
-from solver.stack.reflection import LayerWaves, held, waves
+from solver.stack.reflection import TURN, LayerWaves, below, held, layer_waves, modal, waves
 from solver.stack.wavenumbers import strip
 
 FARTHEST = 2000.0  # distance over the width of the strip: bounded time

@@ -103,10 +103,7 @@ def growing(width: float, reach: float) -> Array:
 
 
 def octave(ends: Array, width: float) -> Array:
-    """Distances of a panel over the width, as a power of two: transforms of one octave share their wavenumbers.
-
-    ends: (panel + 1,), of the panels [m].
-    """
+    """Octave of the distances of panels over the width, (panel,): transforms of one octave share their wavenumbers."""
     return np.asarray(np.floor(np.log2(ends[1:] / width)))
 
 

@@ -12,17 +12,17 @@ from typing import ClassVar
 
 import numpy as np
 
+from approximation.arrays import Indices
 from approximation.chebyshev import coefficients, interpolation
 from approximation.measure import Measure
 from approximation.summit import highest
 from solver.arrays import Array, joined
 from solver.curves import PRINCIPAL, PULL, REGIONS, SHEAR, VON_MISES
-from solver.line.contact import FilmContact
 from solver.line.interior import Interior
-from solver.line.stressnets import DEPTH, Net, Nets
-from solver.line.table import RangeError, Table
+from solver.line.stressnets import Net, net_of
+from solver.line.table import Table
 from solver.line.tractions import Tractions
-from solver.stack.layers import StackError
+from solver.names import PEAKS
 
 #: Peaks that are searched for in each region of ``solver.curves.REGIONS``.
 PEAKS_OF = {
@@ -44,21 +44,17 @@ class PeakTable:
     table: Table
     #: Pairs of panels that are added to a net at most.
     outer: ClassVar[int] = _OUTER
-    _nets: dict[tuple[str, int], tuple[Net, Array]] = field(default_factory=dict, init=False, repr=False)
+    _known: dict[tuple[str, int], Array] = field(default_factory=dict, init=False, repr=False)
 
-    def tabled(self, region: str) -> tuple[Net, Array]:
-        """Net over a region, and Chebyshev coefficients in log h of its stresses; (node, stress, depth, x, cause)."""
-        stack, upper = self.table.system.kernel.stack, self.table.upper
-        if region == "film" and DEPTH * upper >= stack.thickness:
-            raise RangeError(f"film peaks: contacts wider than {1 / DEPTH:g} thicknesses have no film under 0.1 h")
-        if region == "base" and stack.rigid:
-            raise StackError("base peaks: a rigid base has no stresses")
-        return self._tabled(region, getattr(Nets(stack, self.table.lower, upper), region))
+    def net(self, region: str) -> Net:
+        """Net over a region for the half-lengths of the table."""
+        return net_of(self.table.system.kernel.stack, region, self.table.lower, self.table.upper)
 
-    def _tabled(self, region: str, net: Net) -> tuple[Net, Array]:
-        if (region, net.outer) not in self._nets:
-            self._nets[region, net.outer] = net, self._series(net, REGIONS[region].stresses)
-        return self._nets[region, net.outer]
+    def _tabled(self, region: str, net: Net) -> Array:
+        """Chebyshev coefficients in log h of the stresses on a net over a region; (node, stress, depth, x, cause)."""
+        if (region, net.outer) not in self._known:
+            self._known[region, net.outer] = self._series(net, REGIONS[region].stresses)
+        return self._known[region, net.outer]
 
     def _series(self, net: Net, names: tuple[str, ...]) -> Array:
         lengths = self.table.half_lengths
@@ -69,38 +65,34 @@ class PeakTable:
     def _tractions(self) -> Tractions:
         return Tractions.by_cause(self.table.system, self.table.half_lengths)
 
-    def peaks(self, contact: FilmContact, region: str) -> dict[str, Array]:
-        """Peaks in a region of contacts read from the same table, by name; (case,) each. Raises as :meth:`tabled`."""
-        (net, _), h = self.tabled(region), contact.half_width
-        parts = []
-        for cases in np.split(np.arange(h.size), range(_CHUNK, h.size, _CHUNK)):
+    def peaks(self, half_width: Array, causes: Array, region: str) -> dict[str, Array]:
+        """Peaks in a region of contacts of the table, by name; (case,) each."""
+        net, parts = self.net(region), []
+        for cases in np.split(np.arange(half_width.size), range(_CHUNK, half_width.size, _CHUNK)):
 
-            def stresses_on(net: Net, block: slice = slice(cases[0], cases[-1] + 1)) -> Array:
-                return self.read(contact, self._tabled(region, net)[1], block)
+            def stresses_on(net: Net, cases: Indices = cases) -> Array:
+                return self.read(half_width[cases], causes[cases], self._tabled(region, net))
 
-            parts.append((cases, largest(stresses_on, net, h[cases], region, self.outer)))
-        return joined(parts, h.size)
+            parts.append((cases, largest(stresses_on, net, half_width[cases], region, self.outer)))
+        return joined(parts, half_width.size)
 
-    def curves(self, contact: FilmContact, region: str) -> dict[str, Array]:
-        """Fields of a region of ``solver.curves`` of contacts read from the same table, by name; (case, point), SI.
+    def curves(self, half_width: Array, causes: Array, region: str) -> dict[str, Array]:
+        """Fields of a region of ``solver.curves`` of contacts of the table, by name; (case, point), SI.
 
-        These are the stresses that :meth:`peaks` searches, at fewer points. Raises as :meth:`tabled`.
+        These are the stresses that :meth:`peaks` searches, at fewer points.
         """
-        panels_of, (net, series) = REGIONS[region], self.tabled(region)
+        panels_of, net = REGIONS[region], self.net(region)
         across, down = panels_of.lines()
-        values = interpolation(net.down, down) @ self.read(contact, series) @ _along(net.across, across).T
-        stresses = panels_of.panels.by_panel(values)
+        values = interpolation(net.down, down) @ self.read(half_width, causes, self._tabled(region, net))
+        stresses = panels_of.panels.by_panel(values @ _along(net.across, across).T)
         out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(panels_of.stresses)}
         if "position" in panels_of.fields:
-            out[f"{region}_position"] = net.positions(contact.half_width, across)
+            out[f"{region}_position"] = net.positions(half_width, across)
         return out
 
-    def read(self, contact: FilmContact, series: Array, cases: slice = slice(None)) -> Array:
-        """Values of some contacts, read from a series of this table; (case, ...).
-
-        series: (node, ..., cause), over the table's half-lengths.
-        """
-        return self.table.interval.read(np.log(contact.half_width[cases]), series, contact.causes.values[cases])
+    def read(self, half_width: Array, causes: Array, series: Array) -> Array:
+        """Values of contacts by a series (node, ..., cause) over the table's half-lengths; (case, ...)."""
+        return self.table.interval.read(np.log(half_width), series, causes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +119,13 @@ def largest(
         return dict(zip(PEAKS_OF[region], (first.value, tension), strict=True))
     values = (first.value, first.position, tension, np.where(second.value > 0, second.position, np.nan))
     return dict(zip(PEAKS_OF[region], values, strict=True))
+
+
+def of_whole_body(stresses: Array, net: Net, half_length: float) -> dict[str, Array]:
+    """Quantities of ``solver.names.PEAKS`` of stresses on the net of one half-length; depth over h, (case,) each."""
+    shear, pull = (highest(stresses, net.across, measure) for measure in (VON_MISES, PRINCIPAL))
+    depth, tension = net.depth_at(half_length, shear.down), np.maximum(pull.value, 0.0)
+    return dict(zip(PEAKS, (shear.value, depth, tension), strict=True))
 
 
 def highest_stresses(

@@ -5,24 +5,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from approximation.arrays import Indices
+from approximation.arrays import Indices, blocks
 from solver.arrays import Array, joined
+from solver.halfplane.peakpressure import largest
 from solver.halfplane.quantities import at_edges
 from solver.line.contact import FilmContact
-from solver.line.peakpressure import peak_pressure
+from solver.line.outputs import PRESSURE, pressure_series
 from solver.line.peaks import PEAKS_OF, PeakTable
 from solver.line.similar import Films
-from solver.line.stressnets import DEPTH
-from solver.line.table import RangeError
-from solver.line.windows import Kind, peak_window
+from solver.line.stressnets import regions as regions_of
+from solver.line.stressnets import require_depth
+from solver.line.windows import peak_window
 from solver.names import RESPONSES
 from solver.twoport import Compliance
 
 _SHORT_STEPS = 20
+_PRESSURES = 4096  # cases at a time: bounded memory
 _CHARGE_CLOSE = 1e-9  # of a charge: the next step is of its square
 
-#: Cases, a table of their stresses, and their contacts in it.
-PeakTables = Iterator[tuple[Indices, PeakTable, FilmContact]]
+#: Cases, a table of their stresses, and their half-lengths and causes in it.
+PeakTables = Iterator[tuple[Indices, PeakTable, Array, Array]]
 
 
 def quantities(films: Films) -> dict[str, Array]:
@@ -41,7 +43,7 @@ def quantities(films: Films) -> dict[str, Array]:
     }
     smooth = films.kind.smooth
     if all(smooth):
-        out["peak_pressure"] = gather(peak_pressure)
+        out["peak_pressure"] = gather(_peak_pressure)
     out |= at_edges(
         smooth,
         None if films.kind.electroded else lambda edge: gather(lambda c: c.edge_stress(edge)),
@@ -53,6 +55,16 @@ def quantities(films: Films) -> dict[str, Array]:
     if "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
     return out
+
+
+def _peak_pressure(contact: FilmContact) -> Array:
+    """Largest contact pressure [Pa] between two smooth edges; (case,)."""
+    series = pressure_series(contact.table.series[:, PRESSURE])
+    peaks = np.empty(contact.load.size)
+    for block in blocks(peaks.size, _PRESSURES):
+        log_half, causes = np.log(contact.half_width[block]), contact.causes.values[block]
+        peaks[block] = largest(contact.table.interval.read(log_half, series, causes), contact.exponent)
+    return np.asarray(peaks / contact.scale[1])
 
 
 def _responses(films: Films, field: int) -> dict[str, Array]:
@@ -90,53 +102,36 @@ def peaks(films: Films, requested: Set[str], tables: PeakTables | None = None) -
 
     A film of several layers has those of its lowest interface and of its base.
     """
-    regions = [region for region in _regions(films.kind) if requested & set(PEAKS_OF[region])]
+    regions = [region for region in regions_of(films.kind.stack()) if requested & set(PEAKS_OF[region])]
     if not regions:
         return {}
     parts = [
-        (places, {name: peak for region in regions for name, peak in table.peaks(contacts, region).items()})
-        for places, table, contacts in tables or _peak_tables(films)
+        (places, {name: peak for region in regions for name, peak in table.peaks(half, causes, region).items()})
+        for places, table, half, causes in tables or _peak_tables(films)
     ]
     return {name: values for name, values in joined(parts, films.load.size).items() if name in requested}
 
 
 def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = None) -> dict[str, Array]:
-    """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each.
-
-    Raises as :func:`peaks`.
-    """
+    """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each."""
     films.require_one_length()
     parts = []
-    for places, table, contacts in tables or _peak_tables(films):
+    for places, table, half_width, causes in tables or _peak_tables(films):
         load, thickness = films.load[places], films.thickness[places]
-        half_length = thickness * contacts.half_width
+        half_length = thickness * half_width
         out = {"mean_pressure": load / (2 * half_length), "half_length": half_length}
         out["load_over_thickness"] = load / thickness
         for region in regions:
-            if region in _regions(films.kind):
-                out |= table.curves(contacts, region)
+            if region in regions_of(films.kind.stack()):
+                out |= table.curves(half_width, causes, region)
         parts.append((places, out))
     return joined(parts, films.load.size)
 
 
 def _peak_tables(films: Films) -> PeakTables:
-    """Cases with the table of stresses of their window, and their contacts in it."""
+    """Cases with the table of stresses of their window."""
     for places, number, contact in films.parts:
-        require_depth(films.kind, contact.half_width)
+        require_depth(contact.half_width / films.kind.stack().thickness, "half-length")
         table = peak_window(films.kind, number)
-        yield places, table, replace(contact, table=table.table)
-
-
-def require_depth(kind: Kind, half_lengths: Array) -> None:
-    """Refuse contacts so wide that the film has no depth below 0.1 h."""
-    thickness = kind.stack().thickness
-    if np.any(half_lengths > 0.99 / DEPTH * thickness):
-        widest = np.max(half_lengths) / thickness
-        raise RangeError(
-            f"contact: half-length over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}"
-        )
-
-
-def _regions(kind: Kind) -> list[str]:
-    """Regions whose largest stresses are given: panels through several layers would meet their jumps."""
-    return ["interface"] + ["film"] * kind.uniform + ["base"] * (kind.base is not None)
+        contact = replace(contact, table=table.table)
+        yield places, table, contact.half_width, contact.causes.values

@@ -19,8 +19,7 @@ from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.line.contact import FilmContact
-from solver.line.extent import load_at_nodes
-from solver.line.loading import Loading
+from solver.line.extent import Loading, load_at_nodes
 from solver.line.table import LengthsError, Table
 from solver.line.windows import FIRST, LAST, Kind, number_of, searched, window
 from solver.stack.electroded import met

@@ -8,7 +8,7 @@ the worst error of a panel's interpolant below 1e-7.
 """
 
 from dataclasses import dataclass, replace
-from typing import Self, overload
+from typing import Self
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from approximation.arrays import Indices
 from approximation.chebyshev import gauss_points, mapped_points
 from approximation.panels import line
 from solver.arrays import Array
+from solver.line.table import RangeError
 from solver.stack.layers import Stack
 
 #: Ends of the panels across in their own coordinate t.
@@ -61,42 +62,30 @@ class Net:
         """Number of points of every panel across."""
         if self.outer:
             return (self._even(_OUTWARD),) * 2
-        ends = (self.least, self.most)
-        far = max(self._even(self._far(h) / self._near(h)) for h in ends)
-        edge = max(self._linear(self._near(h) / self._sharp(h)) for h in ends)
-        return far, edge, max(self._linear(2 * h / self._sharp(h)) for h in ends), edge, far
+        h = np.array([self.least, self.most])
+        near, sharp = self._near(h), _at(self.top, h, self.thickness)
+        far, edge = self._even(np.max(self._far(h) / near)), self._linear(np.max(near / sharp))
+        return far, edge, self._linear(np.max(2 * h / sharp)), edge, far
 
     @property
     def down(self) -> int:
         """Number of points down; 1 of an interface."""
         if self.top == self.bottom:
             return 1
-        ends = (self.least, self.most)
-        return max(self._even(_at(self.bottom, h, self.thickness) / self._sharp(h)) for h in ends)
+        h = np.array([self.least, self.most])
+        return self._even(np.max(_at(self.bottom, h, self.thickness) / _at(self.top, h, self.thickness)))
 
     def outward(self) -> Self:
         """The pair of panels that continues this net to distances four times as large."""
         return replace(self, outer=self.outer + 1)
 
-    @overload
-    def _near(self, h: float) -> float: ...
-    @overload
-    def _near(self, h: Array) -> Array: ...
-    def _near(self, h: float | Array) -> float | Array:
+    def _near(self, h: Array) -> Array:
         """Width of the panels at the edges [m]."""
         return self.half_share * h + self.thickness_share * self.thickness
 
-    @overload
-    def _far(self, h: float) -> float: ...
-    @overload
-    def _far(self, h: Array) -> Array: ...
-    def _far(self, h: float | Array) -> float | Array:
+    def _far(self, h: Array) -> Array:
         """Distance from the edges at which the far panels end [m]."""
         return self.far_share * h + self.far_length
-
-    def _sharp(self, h: float) -> float:
-        """Least distance of the net from the edges [m]."""
-        return _at(self.top, h, self.thickness)
 
     def _even(self, ratio: float) -> int:
         """Points of a panel between lengths of a ratio, even in the logarithm: singularities lie at an angle."""
@@ -107,10 +96,7 @@ class Net:
         return _points(np.arccosh(1 + 2j * self.rate / width).real)
 
     def positions(self, half_lengths: Array, t: Array) -> Array:
-        """X = (x - c)/h at coordinates along the surface; (case, point).
-
-        half_lengths: (case,), h [m]; t: (point,) or (case, point), in -5 to 5, and beyond of the panels outside.
-        """
+        """X = (x - c)/h for h (case,) [m] at coordinates t along the surface, (point,) or by case; (case, point)."""
         h = half_lengths[:, None]
         near, far, size = self._near(h), self._far(h), np.abs(t)
         linear, even = (np.clip((size - start) / 2, 0.0, 1.0) for start in (1, 3))
@@ -118,10 +104,7 @@ class Net:
         return np.asarray(np.clip(t, -1.0, 1.0) + np.sign(t) * distance / h)
 
     def coordinates(self, panel: Indices, local: Array) -> Array:
-        """Coordinates t of points in panels, numbered from the left; (point,).
-
-        local: (point,), in -1 to 1.
-        """
+        """Coordinates t of points in panels, numbered from the left, at local (point,) in -1 to 1; (point,)."""
         if self.outer:
             return np.where(panel == 0, -1.0, 1.0) * (4 + 2 * self.outer) + local
         return 2.0 * panel - 4 + local
@@ -132,7 +115,7 @@ class Net:
 
     def depth_at(self, h: float, t: Array) -> Array:
         """-y/h at coordinates down; as t."""
-        low, high = (np.log(_at(share, h, self.thickness)) for share in (self.top, self.bottom))
+        low, high = (np.log(_at(share, np.array(h), self.thickness)) for share in (self.top, self.bottom))
         return np.asarray(np.exp((low + high) / 2 + (high - low) / 2 * t) / h)
 
     @property
@@ -144,47 +127,40 @@ class Net:
         return line(self.across, ENDS)
 
 
-@dataclass(frozen=True, eq=False)
-class Nets:
-    """The nets of a stack, for half-lengths from ``least`` to ``most`` [m]."""
+#: Of every region the width of the panels beside the edges and the least and largest depth, as shares of the
+#: half-length and of the thickness, and how much farther it is searched.
+_SHARES = {
+    "interface": ((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0), _TAIL),
+    "film": ((_BESIDE, 0.0), (DEPTH, 0.0), (0.0, 1.0), 1.0),
+    "base": ((0.0, _NEAR), (0.0, _BELOW), (2.0, 2.0), 1.0),
+}
 
-    stack: Stack
-    least: float
-    most: float
 
-    @property
-    def interface(self) -> Net:
-        """Points on the upper side of the lowest interface."""
-        net = self._net((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0))
-        return replace(net, far_length=_TAIL * net.far_length)
+def regions(stack: Stack) -> list[str]:
+    """Regions whose largest stresses are searched: panels through several layers would meet their jumps."""
+    return ["interface"] + ["film"] * (len(stack.layers) == 1) + ["base"] * (not stack.rigid)
 
-    @property
-    def film(self) -> Net:
-        """Points of the film from depth 0.1 h to the interface."""
-        return self._net((_BESIDE, 0.0), (DEPTH, 0.0), (0.0, 1.0))
 
-    @property
-    def base(self) -> Net:
-        """Points of the base from the interface to two half-lengths and a thickness below it."""
-        return self._net((0.0, _NEAR), (0.0, _BELOW), (2.0, 2.0))
+def require_depth(ratio: Array, size: str) -> None:
+    """Refuse contacts so wide over the thickness that no depth of the film lies below a tenth of their size."""
+    if (widest := float(np.max(ratio, initial=0.0))) > 0.99 / DEPTH:
+        raise RangeError(f"contact: {size} over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}")
 
-    def _net(self, near: tuple[float, float], top: tuple[float, float], bottom: tuple[float, float]) -> Net:
-        stack = self.stack
-        far = _FARTHEST, _bending_length(stack) * _FARTHEST
-        return Net(*near, *far, *singular(stack), top, bottom, stack.thickness, self.least, self.most)
+
+def net_of(stack: Stack, region: str, least: float, most: float) -> Net:
+    """Net over a region, for half-lengths from ``least`` to ``most`` [m]."""
+    near, top, bottom, tail = _SHARES[region]
+    stiffness = max(float(layer.material.c11) for layer in stack.layers)
+    base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)
+    bending = float(stack.thickness * np.cbrt(max(1.0, stiffness / base)))  # over which a soft base bends a stiff film
+    far = _FARTHEST, tail * (bending * _FARTHEST)
+    return Net(*near, *far, *singular(stack), top, bottom, stack.thickness, least, most)
 
 
 def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
     """Points of one body, layers alike, below depth 0.1 h."""
     ends = (DEPTH, 0.0), (bottom, 0.0)
     return Net(_BESIDE, 0.0, farthest, 0.0, *singular(stack), *ends, stack.thickness, half, half)
-
-
-def _bending_length(stack: Stack) -> float:
-    """Length [m] over which a soft base bends a stiff film, or the thickness if the base is stiffer."""
-    stiffness = max(float(layer.material.c11) for layer in stack.layers)
-    base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)
-    return float(stack.thickness * np.cbrt(max(1.0, stiffness / base)))
 
 
 def singular(stack: Stack) -> tuple[float, float]:
@@ -199,5 +175,5 @@ def _points(decay: float) -> int:
     return int(np.clip(np.ceil(-np.log(_ERROR) / decay), _PANEL_FEWEST, _PANEL_MOST))
 
 
-def _at(share: tuple[float, float], h: float, thickness: float) -> float:
+def _at(share: tuple[float, float], h: Array, thickness: float) -> Array:
     return share[0] * h + share[1] * thickness

@@ -48,10 +48,7 @@ class Coefficients:
 
     @classmethod
     def of(cls, sliding: Sliding, scale: Array) -> "Coefficients":
-        """Return the coefficients of a sliding without case axes.
-
-        scale: (4,), that of the stack.
-        """
+        """Return the coefficients of a sliding without case axes, in the units ``scale`` (4,) of a stack."""
         half, units = sliding.halfplane, scale[1:]
         scales = units[:, None] * units
         fields = tuple(int(f) for f in np.flatnonzero(sliding.conducts))
@@ -176,10 +173,7 @@ class System:
         return basis.pressures + len(self.fields) * (basis.terms + 1) + (basis.order == 1)
 
     def split(self, basis: Basis, unknowns: Array) -> tuple[Array, Array]:
-        """Terms s, (..., pressures), and c, (..., 2, M + 1), 0 where not conducted.
-
-        unknowns: (..., unknown).
-        """
+        """Terms s, (..., pressures), and c, (..., 2, M + 1), 0 where not conducted, of unknowns (..., unknown)."""
         charges = np.zeros((*unknowns.shape[:-1], 2, basis.terms + 1))
         for f, start in self.starts(basis).items():
             charges[..., f, :] = unknowns[..., start : start + basis.terms + 1]

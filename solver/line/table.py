@@ -17,9 +17,9 @@ from solver.arrays import Array
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.sliding import RIGID_PUNCH, Punch, Sliding
 from solver.line import outputs
-from solver.line.assembly import Assembly
 from solver.line.basis import Basis
 from solver.line.kernel import kernel
+from solver.line.outputs import Assembly
 from solver.line.system import System
 from solver.stack.electroded import met
 from solver.stack.layers import Stack
@@ -117,10 +117,7 @@ class Table:
 
 
 def at(system: System, half_lengths: Array) -> Array:
-    """Outputs, batched over half-lengths of like size; (half, output, cause).
-
-    half_lengths: (half,), m.
-    """
+    """Outputs at half-lengths (half,) [m], batched over those of like size; (half, output, cause)."""
     out: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
     for basis, members in batches(system, half_lengths):
         out[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))

@@ -12,10 +12,10 @@ from scipy.special import binom, gamma, j0, j1
 
 from approximation.chebyshev import coefficients, gauss_points
 from solver.arrays import Array, BoolArray, ComplexArray, selected
-from solver.halfplane.potentials import LINE, LINE_WEIGHTS
-from solver.line.assembly import Assembly
+from solver.halfplane.interior import LINE, LINE_WEIGHTS
 from solver.line.basis import CANCELS, RULES, Basis, by_gauss, ellipse, gauss_jacobi, jacobi, off_contact
 from solver.line.contact import FilmContact
+from solver.line.outputs import Assembly
 from solver.line.system import System
 from solver.line.table import BATCH, Table
 from solver.stack.layers import Stack
@@ -49,10 +49,7 @@ class Antiderivatives:
         return np.asarray(np.moveaxis(powers, 0, -1) / np.maximum(np.arange(self.basis.terms + 1), 1))
 
     def pressed(self, z: ComplexArray, terms: Array) -> ComplexArray:
-        """Antiderivatives of w sum_j terms_j P_j; (point, c).
-
-        z: (point,), Im z >= 0; terms: (pressures, c).
-        """
+        """Antiderivatives of w sum_j terms_j P_j at z (point,), Im z >= 0, of terms (pressures, c); (point, c)."""
         return np.asarray(self._first(z)[:, None] * terms[0] + self._others(z, terms[1:]))
 
     def _first(self, z: ComplexArray) -> ComplexArray:
@@ -149,17 +146,11 @@ class Transforms:
         return replace(self.basis, samples=self.basis.terms + 20 + int(self._switch / 2))
 
     def pressed(self, q: Array, terms: Array) -> ComplexArray:
-        """Transforms of the pressure; (member, q, column).
-
-        q: (member, q), >= 0; terms: (member, pressures, column).
-        """
+        """Transforms of the pressure of terms (member, j, column) at q >= 0, (member, q); (member, q, column)."""
         return self._whole(q, terms, self._fine.pressure_rule, self._jacobi)
 
     def charged(self, q: Array, terms: Array) -> ComplexArray:
-        """Transforms of a field's charges; (member, q, column).
-
-        q: (member, q), >= 0; terms: (member, M + 1, column).
-        """
+        """Transforms of a field's charges of terms (member, n, column) at q >= 0, (member, q); (member, q, column)."""
         return self._whole(q, terms, self._fine.charge_rule, self._bessel)
 
     def _whole(self, q: Array, terms: Array, rule: tuple[Array, Array], recurrence: Recurrence) -> ComplexArray:
@@ -233,10 +224,7 @@ class Tractions:
 
     @classmethod
     def by_cause(cls, system: System, half_lengths: Array) -> Self:
-        """One column for each cause.
-
-        half_lengths: (member,), m.
-        """
+        """One column for each cause, at half-lengths (member,) [m]."""
         basis = system.basis(float(np.max(half_lengths)))
         room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + 2)), 1)
         parts = [

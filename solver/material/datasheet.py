@@ -122,8 +122,7 @@ def converted(mapping: Mapping[str, object]) -> dict[str, object]:
 def stress_matrices(values: Mapping[str, float]) -> tuple[Array, Array, Array]:
     """Return c (6, 6) [Pa], e (3, 6) [C/m2] and eps (3, 3) [F/m] of a material's constants by name."""
     c = _transverse(*(values[name] for name in ("c11", "c12", "c13", "c33", "c44")), stiffness=True)
-    e = np.zeros((3, 6))
-    e[2, :3], e[0, 4], e[1, 3] = (values["e31"], values["e31"], values["e33"]), values["e15"], values["e15"]
+    e = _piezo(values["e31"], values["e33"], values["e15"])
     return c, e, np.diag([values["eps11"], values["eps11"], values["eps33"]])
 
 
@@ -152,28 +151,18 @@ _STRESS = {
 }
 
 
-def _unit(name: str) -> str:
-    return UNITS.get(name) or _STRESS[name]
-
-
-def _plain(name: str, value: object) -> float:
-    if not is_finite(value):
-        raise ValueError(f"{name}: {'empty' if value is None else repr(value)} is not a finite number [{_unit(name)}]")
-    return float(value)
-
-
 def _number(name: str, value: object) -> float:
     """Entry in SI; a number of a size that no material has is refused with a question."""
+    unit, usual = UNITS.get(name) or _STRESS[name], _USUAL.get(name)
     try:
-        number = in_si(value, _unit(name)) if isinstance(value, str) else _plain(name, value)
+        number = in_si(value, unit) if isinstance(value, str) else _cell(value, f" [{unit}]")
     except ValueError as error:
-        raise ValueError(str(error) if str(error).startswith(f"{name}: ") else f"{name}: {error}") from None
-    usual = _USUAL.get(name)
+        raise ValueError(f"{name}: {error}") from None
     size = abs(number)
     if usual and size and not usual.low <= size <= usual.high:
         likely = (usual.above if size > usual.high else usual.below).format(number, number)
         meant = f"; did you mean {likely}?" if likely else ""
-        raise ValueError(f"{name}: {number:g} {_unit(name)} is of a size that no material has{meant}")
+        raise ValueError(f"{name}: {number:g} {unit} is of a size that no material has{meant}")
     return number
 
 
@@ -235,13 +224,17 @@ def _transverse(a11: float, a12: float, a13: float, a33: float, a44: float, *, s
     return matrix
 
 
+def _piezo(a31: float, a33: float, a15: float) -> Array:
+    """3 x 6 matrix of a transversely isotropic body."""
+    matrix = np.zeros((3, 6))
+    matrix[2, :3], matrix[0, 4], matrix[1, 3] = (a31, a31, a33), a15, a15
+    return matrix
+
+
 def _coupling(values: Mapping[str, float], c: Array, free: Mapping[str, float]) -> Array:
     """Piezoelectric stress constants e, (3, 6), from e, from d, or from coupling factors."""
-    matrix = np.zeros((3, 6))
     if any(name in values for name in ("e31", "e33", "e15")):
-        e31, e33, e15 = (values.get(name, 0.0) for name in ("e31", "e33", "e15"))
-        matrix[2, :3], matrix[0, 4], matrix[1, 3] = (e31, e31, e33), e15, e15
-        return matrix
+        return _piezo(*(values.get(name, 0.0) for name in ("e31", "e33", "e15")))
     compliance = {"31": (0, "33", -1.0), "33": (2, "33", 1.0), "15": (3, "11", 1.0)}
     d: dict[str, float] = {}
     known = bool(np.isfinite(c).all())
@@ -264,16 +257,13 @@ def _coupling(values: Mapping[str, float], c: Array, free: Mapping[str, float]) 
         if charge is not None:
             d[axes] = charge
     if not d:
-        return matrix
+        return np.zeros((3, 6))
     if not known:
         raise ValueError("c12: missing; charge constants d need it (or s12) beside the stiffness")
-    charges = np.zeros((3, 6))
-    d31, d33, d15 = (d.get(axes, 0.0) for axes in ("31", "33", "15"))
-    charges[2, :3], charges[0, 4], charges[1, 3] = (d31, d31, d33), d15, d15
     if not d.keys() >= {"31", "33"}:
         missing = ({"31", "33"} - d.keys()).pop()
         raise ValueError(f"d{missing}: missing; needed beside the other charge constants")
-    return np.asarray(charges @ c)
+    return np.asarray(_piezo(*(d.get(axes, 0.0) for axes in ("31", "33", "15"))) @ c)
 
 
 def _all_of(values: Mapping[str, float], names: tuple[str, ...]) -> None:
@@ -344,9 +334,9 @@ def _is_row(row: object) -> bool:
     return isinstance(row, list | tuple)
 
 
-def _cell(cell: object) -> float:
+def _cell(cell: object, unit: str = "") -> float:
     if not is_finite(cell):
-        raise ValueError(f"{cell!r} is not a finite number")
+        raise ValueError(f"{'empty' if cell is None else repr(cell)} is not a finite number{unit}")
     return float(cell)
 
 
@@ -358,8 +348,7 @@ def _check_symmetry(name: str, matrix: Array, singles: Mapping[str, float], turn
     elif name == "eps":
         whole = np.diag([values[0], values[0], values[1]])
     else:
-        whole = np.zeros((3, 6))
-        whole[2, :3], whole[0, 4], whole[1, 3] = (values[0], values[0], values[1]), values[2], values[2]
+        whole = _piezo(*values)
     largest = np.max(np.abs(whole))
     allowed = _ROUNDED * np.abs(whole) + _FLOOR * largest
     if name in "cs":

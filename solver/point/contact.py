@@ -11,7 +11,7 @@ from solver.point.body import Film, HalfSpace, PointLoading
 from solver.point.profile import SAMPLES, climbed, halfspace_form, halfspace_peak
 from solver.point.state import PressedState
 from solver.point.table import PointWindow
-from solver.stack.electrodereading import Reading
+from solver.stack.electrodes import Reading
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,8 +25,7 @@ from solver.point.surface import BelowPunch
 from solver.point.system import halfspace_terms
 from solver.point.table import PointWindow
 from solver.point.tractions import Tractions
-from solver.stack.electrodereading import DISC, STRIP, Reading
-from solver.stack.electrodes import Electrode, transfers
+from solver.stack.electrodes import DISC, STRIP, Electrode, Reading, transfers
 
 _PHASE = 8.0  # phase of a wave over a panel of densities
 _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once: bounded memory

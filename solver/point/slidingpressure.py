@@ -19,7 +19,7 @@ from approximation.measure import ITSELF
 from approximation.summit import highest
 from solver.arrays import Array
 from solver.cache import cached
-from solver.halfplane.potentials import LINE, LINE_WEIGHTS
+from solver.halfplane.interior import LINE, LINE_WEIGHTS
 from solver.point.body import Film
 from solver.point.contact import Friction, PointContact
 from solver.point.friction import Response, legendre_rates

@@ -17,15 +17,13 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray
-from solver.halfplane.interior import LINEAR, field_rows
-from solver.halfplane.potentials import POTENTIALS
+from solver.halfplane.interior import LINEAR, POTENTIALS, field_rows
 from solver.material.constants import Material
 from solver.point.hankel import bessel_orders
 from solver.point.tractions import Tractions
 from solver.stack.fourier import Medium
 from solver.stack.layers import Stack
-from solver.stack.layerwaves import TURN, below, layer_waves, modal
-from solver.stack.reflection import LayerWaves, waves
+from solver.stack.reflection import TURN, LayerWaves, below, layer_waves, modal, waves
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import numpy as np
 
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
+from solver.stack.fourier import Medium
 from solver.stack.layers import Stack
 from solver.stack.reflection import held, low, waves
 
@@ -22,38 +23,31 @@ class Electroded(HalfPlane):
     """Half-plane whose surface is a grounded electrode; phi has a diagonal entry only."""
 
     @cached_property
-    def _bare(self) -> HalfPlane:
-        return HalfPlane(self.material)
+    def _held(self) -> Array:
+        """Y of (x, y, phi, psi) [SI] as a punch meets it; (..., 4, 4)."""
+        return _grounded(Medium(self.material, np.ones(4)).compliance)
 
-    @cached_property
+    @property
     def compliance(self) -> Array:
         """N of (y, phi, psi); (..., 3, 3)."""
-        full = self._bare.compliance
-        bare = full - self._shares[..., 1:, None] * full[..., None, 1, :]
-        bare[..., 1, :] = bare[..., :, 1] = 0.0
-        bare[..., 1, 1] = full[..., 1, 1]
-        return np.asarray(bare)
+        return self._held[..., 1:, 1:]
 
-    @cached_property
+    @property
     def friction_coupling(self) -> Array:
         """k of (y, phi, psi); (..., 3)."""
-        full = self._bare.friction_coupling
-        bare = full - self._shares[..., 1:] * full[..., 1:2]
-        bare[..., 1] = 0.0
-        return np.asarray(bare)
+        return -self._held[..., 1:, 0]
 
-    @cached_property
+    @property
     def tangential_compliance(self) -> Array:
         """(L^-1)_xx; (...)."""
-        return np.asarray(
-            self._bare.tangential_compliance + self._shares[..., 0] * self._bare.friction_coupling[..., 1]
-        )
+        return self._held[..., 0, 0]
 
-    @cached_property
-    def _shares(self) -> Array:
-        """Shares v of (x, y, phi, psi); (..., 4)."""
-        N, k = self._bare.compliance, self._bare.friction_coupling
-        return np.concatenate([-k[..., 1:2], N[..., 1]], -1) / N[..., 1, 1, None]
+
+def _grounded(Y: Array) -> Array:
+    """Y (..., 4, 4) of a surface whose electrode is grounded; phi keeps its diagonal entry."""
+    out = held(Y, (_PHI,))
+    out[..., _PHI, _PHI] = Y[..., _PHI, _PHI]
+    return out
 
 
 def met(stack: Stack) -> HalfPlane:
@@ -65,11 +59,7 @@ def met(stack: Stack) -> HalfPlane:
 def surface(stack: Stack) -> Array:
     """Compliance Y0 of the top layer as a punch meets it, in the units of the stack; (4, 4)."""
     compliance = stack.media[0].compliance
-    if not stack.electroded:
-        return compliance
-    Y = held(compliance, (_PHI,))
-    Y[_PHI, _PHI] = compliance[_PHI, _PHI]
-    return Y
+    return _grounded(compliance) if stack.electroded else compliance
 
 
 def difference(stack: Stack, k: Array) -> Array:

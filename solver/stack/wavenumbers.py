@@ -28,10 +28,7 @@ def wavenumbers(stack: Stack, reach: float, width: float) -> tuple[Array, Array]
 
 
 def on_panels(ends: Array, reaches: Array) -> tuple[Array, Array]:
-    """Nodes and weights in k on panels; (k,) each.
-
-    ends: (panel + 1,), of the panels [1/m]; reaches: (panel,), the largest distance that each is for [m].
-    """
+    """Nodes and weights in k on panels with ends [1/m], each for distances up to its reach (panel,) [m]; (k,) each."""
     nodes, weights = [], []
     for start, end, reach in zip(ends[:-1], ends[1:], reaches, strict=True):
         parts = int(np.ceil((end - start) * reach / _PHASE))

@@ -167,23 +167,19 @@ def check_levels(inputs: Sequence[Input], levels: Sequence[Array]) -> None:
     levels: sequence of ndarray, shape (n,), of every input in its units.
     """
     for input_, values in zip(inputs, levels, strict=True):
-        _check_levels(input_, values)
-
-
-def _check_levels(input_: Input, levels: Array) -> None:
-    if len(levels) > MOST_OF_A_FACTOR:
-        raise ValueError(f"input {input_.name!r} has {len(levels)} levels; a factor has at most {MOST_OF_A_FACTOR}")
-    if len(levels) < 2:
-        raise ValueError(f"input {input_.name!r} has {len(levels)} level; a factor needs at least 2")
-    if input_.scale == "log" and levels[0] <= 0:
-        raise ValueError(f"input {input_.name!r} has the level {levels[0]:g} on a log scale")
-    off = _distance(input_, levels)
-    if off.max() > LEVEL_TOLERANCE and not _is_rounded(input_, levels):
-        k = int(off.argmax())
-        raise ValueError(
-            f"input {input_.name!r}: level {levels[k]:.10g} is none of the {len(levels)} Chebyshev-Gauss levels of "
-            f"{input_.range_text()} ({input_.scale}), expected {input_.levels(len(levels))[k]:.10g}"
-        )
+        if len(values) > MOST_OF_A_FACTOR:
+            raise ValueError(f"input {input_.name!r} has {len(values)} levels; a factor has at most {MOST_OF_A_FACTOR}")
+        if len(values) < 2:
+            raise ValueError(f"input {input_.name!r} has {len(values)} level; a factor needs at least 2")
+        if input_.scale == "log" and values[0] <= 0:
+            raise ValueError(f"input {input_.name!r} has the level {values[0]:g} on a log scale")
+        off = _distance(input_, values)
+        if off.max() > LEVEL_TOLERANCE and not _is_rounded(input_, values):
+            k = int(off.argmax())
+            raise ValueError(
+                f"input {input_.name!r}: level {values[k]:.10g} is none of the {len(values)} Chebyshev-Gauss levels of "
+                f"{input_.range_text()} ({input_.scale}), expected {input_.levels(len(values))[k]:.10g}"
+            )
 
 
 def _full(

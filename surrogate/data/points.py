@@ -62,16 +62,10 @@ class Points:
         }
         return xr.Dataset(variables, self.coords)
 
-    def labelled(self, values: NDArray[Any], attrs: Mapping[str, str]) -> xr.DataArray:
-        """Label one value a point.
-
-        values: (n,).
-        """
-        return xr.DataArray(values.reshape(self.shape), coords=self.coords, dims=self.dims, attrs=dict(attrs))
-
-    def flat(self, array: xr.DataArray, like: xr.DataArray) -> Array:
+    def flat(self, array: xr.DataArray) -> Array:
         """Broadcast an array to the points: (n,)."""
-        return np.asarray(array.broadcast_like(like).transpose(*like.dims).values, dtype=np.float64).ravel()
+        like = xr.DataArray(np.zeros(self.shape), self.coords, self.dims)
+        return np.asarray(array.broadcast_like(like).transpose(*self.dims).values, dtype=np.float64).ravel()
 
 
 def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
@@ -160,7 +154,9 @@ def _margin(input_: Input) -> tuple[float, float]:
 def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
     """Return the columns of a table, over the labels of its rows, or of plain points."""
     if isinstance(points, Sequence) and len(points) and all(isinstance(row, Mapping) for row in points):
-        points = _table(points)
+        import pandas as pd  # slow to import
+
+        points = pd.DataFrame([dict(row) for row in points])
     if isinstance(points, Table):
         if len(set(points.columns)) < len(points.columns):
             raise ValueError("the table of points has a column twice")
@@ -172,7 +168,7 @@ def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
             f"points must be named, or an array of numbers of shape (n, {len(names)}) with the columns "
             f"{', '.join(names)}; got {got}"
         )
-    return {name: _along(column) for name, column in zip(names, array.T, strict=True)}
+    return {name: xr.DataArray(column, dims="point") for name, column in zip(names, array.T, strict=True)}
 
 
 def _columns(columns: Mapping[Any, Any], labels: Any) -> dict[Any, Any]:
@@ -189,22 +185,11 @@ def _one_point(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> 
     return values.astype(np.float64) if values.dtype.kind in "if" and np.isfinite(values).all() else None
 
 
-def _table(rows: Sequence[Any]) -> Table:
-    import pandas as pd  # slow to import
-
-    table: Table = pd.DataFrame([dict(row) for row in rows])
-    return table
-
-
 def _numbers(column: Any) -> NDArray[Any]:
     """Return the values of a column of a table; a missing number is NaN."""
     if hasattr(column, "to_numpy") and str(column.dtype) in ("Int64", "Int32", "Float64", "Float32"):
         return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
     return np.asarray(unmasked(column))
-
-
-def _along(column: NDArray[Any]) -> xr.DataArray:
-    return xr.DataArray(column, dims="point")
 
 
 def _plain(points: ArrayLike) -> NDArray[Any] | None:

@@ -1,5 +1,6 @@
 """Answers by name, with intervals: the face that all surrogates share, fitted, judged and calibrated on cases."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import partial
@@ -10,15 +11,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from approximation.arrays import Array, Flags, blocks, unmasked
+from approximation.arrays import Array, Flags, Indices, blocks, unmasked
 from surrogate.data.inputs import Input, physical_points, unit_coordinates
 from surrogate.data.points import EVEN, Attrs, Labels, Points, Queries, named_points, outside, require_inside
-from surrogate.face.core import Core
 from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
 from surrogate.intervals.copula import ends
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
-from surrogate.intervals.sharing import sharing
+from surrogate.intervals.guard import sharing
 
 # Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
 BLOCK = 2048
@@ -30,11 +30,12 @@ EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}
 NAMED = 12
 
 
-class GaussianProcess(Core):
+class GaussianProcess(ABC):
     """Base of the surrogates: several outputs over named inputs, each a distribution at every point.
 
-    Subclasses fit on a data set and answer at scaled coordinates (`Core`); this class checks, labels and scales. They
-    are no estimators of scikit-learn, which take plain arrays: `surrogate.FactorialRegressor` is one, over them.
+    Subclasses fit on a data set and answer at B points in scaled coordinates, (d, B): they implement the abstract
+    methods. This class checks, labels and scales. They are no estimators of scikit-learn, which take plain arrays:
+    `surrogate.FactorialRegressor` is one, over them.
 
     Attributes
     ----------
@@ -88,13 +89,16 @@ class GaussianProcess(Core):
     >>> model.has_answers(np.array([[0.2, 1.5], [0.2, 3.0]])).tolist()
     [True, False]
     >>> model.check_level(0.9)
-    >>> model.calibrate_under(cases, np.stack([cases.x, cases.y - 1])).calibrated  # by inputs of another
-    True
     >>> model.only(["g"]).outputs_, model.thinned({"f": 1e-3}).outputs_, model.uncalibrated().calibration_
     (('g',), ('f', 'g'), None)
     """
 
+    engine: ClassVar[str]  # name of the kind in files
     MEMBERS: ClassVar[tuple[str, ...]] = ()
+    inputs_: tuple[Input, ...]
+    outputs_: tuple[str, ...]
+    attrs_: dict[str, dict[str, str]]
+    cases_: int
     made_from_: str = ""
     calibration_: Calibration | None
     level_: float = NOMINAL
@@ -105,6 +109,48 @@ class GaussianProcess(Core):
     def fit(self, X: xr.Dataset) -> Self:
         """Fit to a data set that holds inputs and outputs."""
         raise NotImplementedError(f"a {type(self).__name__} is not fitted to a data set")
+
+    @property
+    @abstractmethod
+    def parts(self) -> int:
+        """Number of parts that the variance is the sum of."""
+
+    @abstractmethod
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+        """Return means and variances, (p, B) each; without weights of the variance's parts, (parts, p), no variance."""
+
+    @abstractmethod
+    def slopes(self, t: Array) -> Array:
+        """Return the derivatives of the means by the scaled coordinates, (d, p, B)."""
+
+    @abstractmethod
+    def slope_variances(self, t: Array, weights: Array) -> Array:
+        """Return the variances of these derivatives, (d, p, B), with weights of their parts, (parts, p)."""
+
+    @abstractmethod
+    def state(self) -> xr.Dataset:
+        """Return what a file must hold beside inputs, outputs, probes and calibration."""
+
+    @classmethod
+    @abstractmethod
+    def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
+        """Return the model of a `state`, with the `attrs_` of its outputs; ValueError names what is inconsistent."""
+
+    def only(self, outputs: Sequence[str]) -> Self:
+        """Return a model that gives these outputs, and as few others as it can, for less."""
+        return self
+
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return a cheaper model, with these root-mean-square errors over the cases of some outputs, in their units."""
+        return self
+
+    def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
+        """Learn to correct the means from held-out cases; return what is left of the error of each case, left out.
+
+        The data set holds the cases, and may hold more than the outputs; errors, (p, n), are true minus predicted ones
+        at scaled coordinates t, (d, n). Cases of one group, (n,), share some coordinates.
+        """
+        return errors
 
     @property
     def members(self) -> Mapping[str, "GaussianProcess"]:
@@ -121,11 +167,35 @@ class GaussianProcess(Core):
         return self.calibration_ is not None
 
     def __str__(self) -> str:
-        return text(self) if hasattr(self, "inputs_") else f"{type(self).__name__}, not fitted yet"
+        if not hasattr(self, "inputs_"):
+            return f"{type(self).__name__}, not fitted yet"
+        kind, outputs, intervals = self._in_words()
+        wide = max(len(input_.name) for input_ in self.inputs_)
+        ranges = [f"  {input_.name:<{wide}}  {input_.range_text()}, {input_.scale}" for input_ in self.inputs_]
+        return "\n".join([kind, "inputs:", *ranges, f"outputs: {outputs}", f"intervals: {intervals}"])
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the text of `print`, with the box as a table."""
-        return page(self) if hasattr(self, "inputs_") else f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
+        if not hasattr(self, "inputs_"):
+            return f"<p><b>{type(self).__name__}</b>, not fitted yet</p>"
+        import pandas as pd  # notebooks only
+
+        kind, outputs, intervals = self._in_words()
+        rows = [(input_.name, input_.low, input_.high, input_.units, input_.scale) for input_ in self.inputs_]
+        box = pd.DataFrame(rows, columns=["input", "low", "high", "unit", "scale"])
+        table = box.to_html(index=False, border=0)
+        return f"<p><b>{kind}</b>: {escape(outputs)}; intervals {intervals}</p>{table}"
+
+    def _in_words(self) -> tuple[str, str, str]:
+        """Kind with its counts, outputs with their units, and calibration."""
+        units = {name: f" [{self.attrs_[name]['units']}]" for name in self.outputs_ if self.attrs_[name].get("units")}
+        outputs = ", ".join(f"{name}{units.get(name, '')}" for name in self.outputs_[:NAMED])
+        unnamed = len(self.outputs_) - NAMED
+        counts = f"{len(self.outputs_)} outputs over {len(self.inputs_)} inputs, trained on {self.cases_:,} cases"
+        held = "not calibrated"
+        if self.calibration_ is not None:
+            held = f"calibrated on {self.calibration_.distribution.cases:,} cases"
+        return f"{type(self).__name__} of {counts}", outputs + (f" and {unnamed} more" if unnamed > 0 else ""), held
 
     def score(self, X: xr.Dataset, y: xr.Dataset | None = None) -> float:
         """Return the coefficient of determination R2 averaged over the outputs.
@@ -137,15 +207,12 @@ class GaussianProcess(Core):
         y : Dataset, optional
             The outputs, when X holds the inputs only.
         """
+        from sklearn.metrics import r2_score  # slow to import
+
         points, truth = self.cases(X if y is None else X.merge(y, join="exact"))
-        mean = self.predict(points, return_std=False)
-        scores = []
-        for name in self.outputs_:
-            true, predicted = xr.broadcast(truth[name], mean[name])
-            spread = float(((true - true.mean()) ** 2).sum())
-            error = float(((true - predicted) ** 2).sum())
-            scores.append(1 - error / spread if spread else float(error == 0))
-        return float(np.mean(scores))
+        named = named_points(points, self.inputs_)
+        true = np.stack([named.flat(truth[name]) for name in self.outputs_], axis=1)
+        return float(r2_score(true, self.predict_array(named.X)))
 
     def cases(self, dataset: xr.Dataset) -> tuple[dict[str, xr.DataArray], xr.Dataset]:
         """Take a data set of cases, factorial or scattered, apart into points and true outputs.
@@ -180,15 +247,7 @@ class GaussianProcess(Core):
         return self.calibrate_under(dataset, None)
 
     def calibrate_under(self, dataset: xr.Dataset, outer: Array | None) -> Self:
-        """Calibrate like `calibrate`, for a model that wraps this one.
-
-        Parameters
-        ----------
-        dataset
-            As for `calibrate`.
-        outer : ndarray, shape (e, n), or None
-            Scaled coordinates of the cases in the inputs by which that model is asked.
-        """
+        """Calibrate like `calibrate`; outer, (e, n): the scaled inputs of a model that wraps this one, at the cases."""
         points, truth = self.cases(dataset)
         named = named_points(points, self.inputs_)
         require_inside(named.X, self.inputs_)
@@ -199,8 +258,7 @@ class GaussianProcess(Core):
                 f"calibration needs at least {MINIMUM} cases, got {np.count_nonzero(even)}; about 10,000 make it local"
             )
         t = unit_coordinates(self.inputs_, named.X)
-        like = named.labelled(np.zeros(len(named.X)), {})
-        true = np.stack([named.flat(truth[name], like) for name in self.outputs_])
+        true = np.stack([named.flat(truth[name]) for name in self.outputs_])
         bad = ~np.isfinite(true).all(axis=1)
         if bad.any():
             raise ValueError(f"output {self.outputs_[int(bad.argmax())]!r} is not finite in a case of the calibration")
@@ -294,11 +352,15 @@ class GaussianProcess(Core):
         ValueError
             The points have a wrong shape.
         """
+        mean, std = self._answers(self._plain(X), return_std, extrapolate)
+        return (mean.T, std.T) if std is not None else mean.T
+
+    def _plain(self, X: NDArray[np.floating[Any]]) -> Array:
+        """Plain points, (n, d), NaN where a cell is masked; ValueError for another shape."""
         points = np.asarray(unmasked(X), dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != len(self.inputs_):
             raise ValueError(f"points must have shape (n, {len(self.inputs_)}), got {points.shape}")
-        mean, std = self._answers(points, return_std, extrapolate)
-        return (mean.T, std.T) if std is not None else mean.T
+        return points
 
     def gradient(
         self, points: Queries, return_std: bool = False, *, level: float | None = None, extrapolate: bool = False
@@ -357,7 +419,7 @@ class GaussianProcess(Core):
 
         Raises OutOfBoxError for a point outside the box.
         """
-        points = np.asarray(unmasked(X), dtype=np.float64)
+        points = self._plain(X)
         require_inside(points, self.inputs_)
         return np.ascontiguousarray(self.physical_slopes(points, self.slopes).T)
 
@@ -488,7 +550,12 @@ class GaussianProcess(Core):
         ]
         values = mean[:, None] + deviations * std[:, None]
         coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
-        quantiles = self._stacked("quantile", values, named, flags).assign_coords(quantile=coordinate)
+        columns = {
+            name: xr.Variable(("quantile", *named.dims), rows.reshape(-1, *named.shape), self.attrs_[name])
+            for name, rows in zip(self.outputs_, values, strict=True)
+        }
+        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        quantiles = flagged.assign(columns).assign_coords(quantile=coordinate)
         return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
 
     def ends_of_sum(self, X: NDArray[np.floating[Any]], weights: Array, level: float | None = None) -> Array:
@@ -546,23 +613,8 @@ class GaussianProcess(Core):
             cached = self._made_ends = (self.calibration_, level, self.distribution.ends(level))
         return cached[2]
 
-    def _stacked(self, dim: str, values: Array, named: Points, flags: dict[str, Flags]) -> xr.Dataset:
-        """Label several values of every output at each point, (p, m, n), over a dimension of these m."""
-        dims = (dim, *named.dims)
-        columns = {
-            name: xr.Variable(dims, rows.reshape(-1, *named.shape), self.attrs_[name])
-            for name, rows in zip(self.outputs_, values, strict=True)
-        }
-        return named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()}).assign(columns)
-
     def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return the same as `mean_std` at any number of points, block by block: (p, n) each.
-
-        Parameters
-        ----------
-        X : ndarray, shape (n, d), points in physical units
-        with_std : bool, whether deviations are wanted; None otherwise
-        """
+        """Return the same as `mean_std` at any number of points (n, d), block by block: (p, n) each."""
         mean = np.empty((len(self.outputs_), len(X)))
         std = np.empty_like(mean) if with_std else None
         for block in blocks(len(X), BLOCK):
@@ -572,13 +624,7 @@ class GaussianProcess(Core):
         return mean, std
 
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
-        """Return the means and calibrated standard deviations at points of any place: (p, B) each.
-
-        Parameters
-        ----------
-        X : ndarray, shape (B, d), points in physical units
-        with_std : bool, whether deviations are wanted; None otherwise
-        """
+        """Return means and, if wanted, calibrated standard deviations at physical points (B, d): (p, B) each."""
         t, calibration = unit_coordinates(self.inputs_, X), self.calibration_
         mean, variance = self.mean_variance(t, self._weights() if with_std else None)
         if not with_std or variance is None:
@@ -594,29 +640,14 @@ class GaussianProcess(Core):
         return unit_coordinates(self.inputs_, X)
 
     def variance(self, t: Array, weights: Array) -> Array:
-        """Return the variance of `mean_variance`, (p, B).
-
-        Parameters
-        ----------
-        t : ndarray, shape (d, B), scaled coordinates
-        weights : ndarray, shape (parts, p), of the parts of the variance
-        """
+        """Return the variance of `mean_variance`, (p, B)."""
         variance = self.mean_variance(t, weights)[1]
         return np.zeros((len(self.outputs_), t.shape[1])) if variance is None else variance
 
     def physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
-        """Turn derivatives by scaled coordinates into those by physical inputs.
+        """Return derivatives by physical inputs at points (n, d), (d, p, n), of a function that gives scaled ones.
 
-        Parameters
-        ----------
-        X : ndarray, shape (n, d)
-            Physical points.
-        scaled : callable
-            Takes scaled coordinates, (d, B); gives derivatives by them, (d, p, B).
-
-        Returns
-        -------
-        ndarray, shape (d, p, n)
+        It takes scaled coordinates, (d, B), and gives the derivatives by them, (d, p, B).
         """
         slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
         for block in blocks(len(X), BLOCK):
@@ -669,40 +700,3 @@ def in_blocks(t: Array, evaluate: Callable[[Array], Array]) -> Array:
     t: (d, n), scaled coordinates.
     """
     return np.concatenate([evaluate(t[:, block]) for block in blocks(t.shape[1], BLOCK)], axis=1)
-
-
-def text(model: GaussianProcess) -> str:
-    """Return a few lines: kind and cases, a line an input, outputs, calibration."""
-    wide = max(len(input_.name) for input_ in model.inputs_)
-    ranges = [f"  {input_.name:<{wide}}  {input_.range_text()}, {input_.scale}" for input_ in model.inputs_]
-    return "\n".join([_head(model), "inputs:", *ranges, f"outputs: {_outputs(model)}", f"intervals: {_held(model)}"])
-
-
-def page(model: GaussianProcess) -> str:
-    """Return the same as HTML, the box as a table."""
-    import pandas as pd  # notebooks only
-
-    rows = [(input_.name, input_.low, input_.high, input_.units, input_.scale) for input_ in model.inputs_]
-    box = pd.DataFrame(rows, columns=["input", "low", "high", "unit", "scale"])
-    table = box.to_html(index=False, border=0)
-    return f"<p><b>{_head(model)}</b>: {escape(_outputs(model))}; intervals {_held(model)}</p>{table}"
-
-
-def _head(model: GaussianProcess) -> str:
-    counts = f"{len(model.outputs_)} outputs over {len(model.inputs_)} inputs, trained on {model.cases_:,} cases"
-    return f"{type(model).__name__} of {counts}"
-
-
-def _outputs(model: GaussianProcess) -> str:
-    named = [_with_unit(name, model.attrs_[name]) for name in model.outputs_[:NAMED]]
-    unnamed = len(model.outputs_) - NAMED
-    return ", ".join(named) + (f" and {unnamed} more" if unnamed > 0 else "")
-
-
-def _with_unit(name: str, attrs: Mapping[str, str]) -> str:
-    return f"{name} [{attrs['units']}]" if attrs.get("units") else name
-
-
-def _held(model: GaussianProcess) -> str:
-    learnt = model.calibration_
-    return "not calibrated" if learnt is None else f"calibrated on {learnt.distribution.cases:,} cases"

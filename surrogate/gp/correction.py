@@ -20,7 +20,7 @@ from approximation import products
 from approximation.arrays import Array, Indices, blocks
 from approximation.products import additive, product
 from surrogate.gp.factors import Features
-from surrogate.intervals.sharing import places
+from surrogate.intervals.guard import places
 
 # A degree of g_f costs half of the decay of the factor's kernel, and no more than this.
 DEAREST = 1.5

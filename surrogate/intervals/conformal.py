@@ -27,8 +27,7 @@ from approximation.products import additive, pairwise
 from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, Normal, Tabulated
-from surrogate.intervals.guard import fill, unguarded
-from surrogate.intervals.sharing import places
+from surrogate.intervals.guard import fill, places, unguarded
 
 FOLDS = 5
 # Highest degree of the local scale along an input by the number of cases, and beyond these one more for so many places

@@ -4,10 +4,9 @@ The process itself says that this is a standard normal variable. Held-out cases 
 that is linear between some probabilities.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Self, TypeAlias
 
 import numpy as np
 import scipy  # scipy.special, slow to import, and not every job asks for intervals
@@ -29,36 +28,8 @@ def central(level: float) -> Array:
     return np.array([(1 - level) / 2, (1 + level) / 2])
 
 
-class Distribution(ABC):
-    """Distribution of (truth - mean) / std for every output."""
-
-    @abstractmethod
-    def highest_level(self) -> float:
-        """Return the largest central level that is known."""
-
-    @abstractmethod
-    def quantile(self, q: Array) -> Array:
-        """Return quantiles at probabilities q of any shape, over the outputs last: (..., p), or (..., 1) for all."""
-
-    def ends(self, level: float) -> Array:
-        """Return the lower and upper end of the central interval of a level: (2, p) or (2, 1)."""
-        return self.quantile(central(level))
-
-    @abstractmethod
-    def inverse(self, q: Array) -> Array:
-        """Return the quantiles of every output at probabilities of its own, (p, n)."""
-
-    @abstractmethod
-    def cdf(self, z: Array) -> Array:
-        """Return the probability of no more than z, (p, n)."""
-
-    @abstractmethod
-    def crps(self, z: Array) -> Array:
-        """Return the continuous ranked probability score at z, (p, n), in standard deviations."""
-
-
-class Normal(Distribution):
-    """The standard normal distribution."""
+class Normal:
+    """The standard normal distribution, of every output."""
 
     def highest_level(self) -> float:
         """Return the largest central level that is known: any below one."""
@@ -67,6 +38,10 @@ class Normal(Distribution):
     def quantile(self, q: Array) -> Array:
         """Return quantiles at probabilities q of any shape: (..., 1)."""
         return np.asarray(scipy.special.ndtri(q))[..., None]
+
+    def ends(self, level: float) -> Array:
+        """Return the lower and upper end of the central interval of a level: (2, 1)."""
+        return self.quantile(central(level))
 
     def inverse(self, q: Array) -> Array:
         """Return quantiles at probabilities of any shape."""
@@ -77,14 +52,17 @@ class Normal(Distribution):
         return np.asarray(scipy.special.ndtr(z))
 
     def crps(self, z: Array) -> Array:
-        """Return the score, any shape: T. Gneiting and A. E. Raftery, J. Am. Stat. Assoc. 102 (2007) 359, eq. 21."""
+        """Return the continuous ranked probability score at z, any shape, in standard deviations.
+
+        T. Gneiting and A. E. Raftery, J. Am. Stat. Assoc. 102 (2007) 359, equation 21.
+        """
         return np.asarray(
             z * (2 * scipy.special.ndtr(z) - 1) + np.sqrt(2 / np.pi) * np.exp(-0.5 * z * z) - 1 / np.sqrt(np.pi)
         )
 
 
 @dataclass(frozen=True)
-class Tabulated(Distribution):
+class Tabulated:
     """Quantiles of held-out cases, linear between the probabilities `PROBABILITIES`."""
 
     quantiles: Array  # shape (len(PROBABILITIES), p); Ascending
@@ -117,6 +95,10 @@ class Tabulated(Distribution):
         slope = (self.quantiles[k + 1] - below) / (PROBABILITIES[k + 1] - first)[..., None]
         return np.asarray(slope * (q - first)[..., None] + below)
 
+    def ends(self, level: float) -> Array:
+        """Return the lower and upper end of the central interval of a level: (2, p)."""
+        return self.quantile(central(level))
+
     def inverse(self, q: Array) -> Array:
         """Return the quantiles of every output at probabilities of its own, (p, n)."""
         return np.stack(
@@ -148,6 +130,10 @@ class Tabulated(Distribution):
     def only(self, columns: Sequence[int]) -> Self:
         """Return that of some outputs."""
         return replace(self, quantiles=self.quantiles[:, list(columns)])
+
+
+#: Distribution of (truth - mean) / std for every output.
+Distribution: TypeAlias = Normal | Tabulated
 
 
 def _square(width: Array, first: Array, last: Array) -> Array:

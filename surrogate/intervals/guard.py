@@ -1,5 +1,7 @@
 """Factors on intervals in parts of the box: slabs of every factor and corners of every two.
 
+Held-out cases may share some inputs: the cases of such a group count as one place of these inputs.
+
 Source: V. Vovk, Proc. Mach. Learn. Res. 25 (2012) 475 (coverage by class).
 """
 
@@ -106,3 +108,20 @@ def _cells(slab: Indices) -> Iterator[tuple[tuple[int, ...], Indices]]:
 def _edge(slab: Indices) -> Indices:
     """0 in the lowest slab, 2 in the highest, 1 between."""
     return np.asarray((slab > 0).astype(np.intp) + (slab == SLABS - 1))
+
+
+def sharing(t: Array) -> Indices:
+    """Return the group of every case, (n,): cases share those coordinates, (d, n), that have at most n/2 values."""
+    few = [row for row in t if len(np.unique(row)) <= t.shape[1] / 2]
+    if not few:
+        return np.arange(t.shape[1])
+    return np.unique(np.stack(few), axis=1, return_inverse=True)[1].reshape(-1)
+
+
+def places(t: Array, groups: Indices) -> Indices:
+    """Return how many places the cases have along every input, (d,): the groups, where these share it, or the cases.
+
+    t: (d, n), scaled coordinates of the cases; groups: (n,), the group of every case.
+    """
+    count, cases = len(np.unique(groups)), t.shape[1]
+    return np.array([count if len(np.unique(row)) <= count else cases for row in t])

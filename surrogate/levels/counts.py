@@ -56,9 +56,18 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
     """Judge the decay of every output along every input."""
     factorial = complete_factorial(data, inputs, outputs)
     names = [input_.name for input_ in factorial.inputs]
-    return {
-        name: dict(zip(names, map(decay_of, _lines(values)), strict=True)) for name, values in factorial.outputs.items()
-    }
+    judged = {}
+    for output, values in factorial.outputs.items():
+        size = float(np.ptp(values)) or 1.0
+        along = [largest(values[..., None], axis)[:, 0] / size for axis in range(values.ndim)]
+        judged[output] = dict(zip(names, map(decay_of, along), strict=True))
+    return judged
+
+
+def largest(values: Array, axis: int) -> Array:
+    """Return the largest Chebyshev coefficients along an axis, over all others but the last: (n, p) of (..., p)."""
+    along = np.moveaxis(coefficients(values, axis), axis, 0)
+    return np.asarray(np.abs(along).reshape(values.shape[axis], -1, values.shape[-1]).max(axis=1))
 
 
 def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
@@ -124,17 +133,6 @@ def evidence(decays: Decays, counts: Mapping[str, int]) -> xr.Dataset:
         },
         coords={"output": list(decays), "input": names, "mode": np.arange(modes)},
     )  # fmt: skip
-
-
-def _lines(values: Array) -> list[Array]:
-    """Largest Chebyshev coefficient along every axis over all lines of the factorial, over the range of the values."""
-    spread = float(np.ptp(values))
-    size = spread if spread > 0 else 1.0
-    largest = []
-    for axis, n in enumerate(values.shape):
-        along = np.moveaxis(coefficients(values, axis), axis, -1)
-        largest.append(np.abs(along).reshape(-1, n).max(axis=0) / size)
-    return largest
 
 
 def _smallest(judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int] | None:

@@ -4,10 +4,9 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array, Indices
-from approximation.chebyshev import coefficients
 from surrogate.data.factorial import output_names
 from surrogate.gp.crossgp import CrossGP
-from surrogate.levels.counts import Decays
+from surrogate.levels.counts import Decays, largest
 from surrogate.levels.decay import decay_of
 
 
@@ -17,13 +16,11 @@ def decays(model: CrossGP, X: xr.Dataset) -> Decays:
     indices, blocks = np.array(list(known), dtype=np.intp), np.stack(list(known.values()))
     spread = np.ptp(blocks, axis=(0, 1))
     values = blocks / np.where(spread > 0, spread, 1.0)
-    sizes = [model.levels[name] for name in model.whole]
-    columns: dict[str, Array] = {}
-    for k, name in enumerate(model.crossed):
-        columns[name] = _largest(_whole_lines(indices, values, k, model.levels[name]))
-    whole = values.reshape(len(values), *sizes, -1)
-    for k, name in enumerate(model.whole):
-        columns[name] = _largest(np.moveaxis(whole, 1 + k, 1))
+    whole = values.reshape(len(values), *(model.levels[name] for name in model.whole), values.shape[-1])
+    columns = {
+        name: largest(_whole_lines(indices, values, k, model.levels[name]), 1) for k, name in enumerate(model.crossed)
+    }
+    columns |= {name: largest(whole, 1 + k) for k, name in enumerate(model.whole)}
     return {
         output: {name: decay_of(columns[name][:, p]) for name in model.levels}
         for p, output in enumerate(output_names(X, model.outputs, exclude=tuple(model.levels)))
@@ -38,9 +35,3 @@ def _whole_lines(indices: Indices, values: Array, k: int, size: int) -> Array:
     counts = np.bincount(line.ravel())
     complete = np.repeat(counts == size, counts)
     return np.asarray(values[order[complete]].reshape(-1, size, *values.shape[1:]))
-
-
-def _largest(values: Array) -> Array:
-    """Largest Chebyshev coefficients, (n, p), of values (lines, n, ..., p) on Chebyshev-Gauss levels."""
-    along = np.moveaxis(coefficients(values, axis=1), 1, 0)
-    return np.asarray(np.abs(along).reshape(values.shape[1], -1, values.shape[-1]).max(axis=1))

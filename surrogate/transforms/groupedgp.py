@@ -13,8 +13,7 @@ from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
 from surrogate.data.points import EVEN
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import KERNEL, GridGP
-from surrogate.transforms.groups import Grouping
-from surrogate.transforms.outputs import Scales, Scaling
+from surrogate.transforms.groups import Grouping, Scales, Scaling
 from surrogate.transforms.transformed import Transformed
 
 

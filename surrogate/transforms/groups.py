@@ -1,9 +1,13 @@
 """Groups: training axes that are products of powers of the inputs, and outputs over products of powers.
 
 Where a model of the world scales, its outputs depend on fewer numbers than it has inputs. Nothing here knows why.
+
+    output(x) = scale(x) (f(x) + coefficient log added(x)),   or   sign scale(x) exp(sign f(x))
+
+with scale and added products of powers of the inputs x, and f what is learnt.
 """
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -13,15 +17,70 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate.data.inputs import Input
-from surrogate.transforms.inputs import NEAR, Axes, Group, Powers, middle, span
-from surrogate.transforms.outputs import Scales, Scaling
+
+Powers = Mapping[str, float]
+# How far an axis may lie beyond its range, as a share of it, and still be its end.
+NEAR = 1e-9
 
 
-def _over(variable: xr.Variable, dims: Mapping[Hashable, int]) -> Array:
-    """Values over dimensions of these sizes, those of the variable among them."""
-    values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
-    axes = tuple(slice(None) if dim in variable.dims else None for dim in dims)
-    return np.broadcast_to(values[axes], tuple(dims.values()))
+@dataclass(frozen=True)
+class Group:
+    """A training axis: a range with its scale, and the powers of the inputs whose product it is.
+
+    Parameters
+    ----------
+    axis : Input
+        Name, range, scale and units of the axis; the range must hold what the inputs' box gives, see `span`.
+    powers : mapping of str to float
+        Power of every input that it is made of; an input alone is ``{name: 1}``.
+    constant : float
+        What the product is multiplied by: the part that depends on no input.
+    """
+
+    axis: Input
+    powers: Powers
+    constant: float = 1.0
+
+
+@dataclass(frozen=True)
+class Scaling:
+    """Map from the learnt function to one output.
+
+    Parameters
+    ----------
+    powers : mapping of str to float
+        The output is proportional to this product of powers of the inputs.
+    coefficient : float
+        What the logarithm of `Grouping.added` is multiplied by, before the product.
+    logarithm : {-1, 0, 1}
+        The sign of an output whose logarithm is learnt, 0 where it is learnt itself.
+    """
+
+    powers: Powers = field(default_factory=dict)
+    coefficient: float = 0.0
+    logarithm: int = 0
+
+
+class Axes:
+    """The axes as functions of points in the inputs."""
+
+    def __init__(self, inputs: Sequence[Input], groups: Sequence[Group]) -> None:
+        self.powers = np.stack([row_of(group.powers, inputs) for group in groups])
+        self._constants = [group.constant for group in groups]
+        self._low, self._high = np.array([(group.axis.low, group.axis.high) for group in groups]).T
+
+    def values(self, X: Array) -> Array:
+        """Return the axes' values at points (n, d): (n, axes), within their ranges where the points are in the box."""
+        products = zip(self._constants, self.powers, strict=True)
+        U = np.stack([constant * _product(X, row) for constant, row in products], axis=1)
+        inside = np.clip(U, self._low, self._high)
+        near = NEAR * (self._high - self._low)
+        return np.asarray(np.where(np.abs(U - inside) <= near, inside, U))  # the ends, met but for rounding
+
+    def jacobian(self, X: Array) -> Array:
+        """Return the derivatives of the axes' values by the inputs at points (n, d): (axes, d, n)."""
+        products = zip(self._constants, self.powers, strict=True)
+        return np.stack([constant * _slopes(X, row) for constant, row in products])
 
 
 @dataclass(frozen=True)
@@ -92,19 +151,14 @@ class Grouping:
         """The axes as functions of points."""
         return Axes(self.inputs, self.groups)
 
-    def scales(self, outputs: Sequence[str]) -> Scales:
+    def scales(self, outputs: Sequence[str]) -> "Scales":
         """Return the scales of some outputs as functions of points."""
-        return Scales(self.inputs, outputs, self.scalings, self.added, self._references)
+        return Scales(self, outputs)
 
     def reduced(self, dataset: xr.Dataset, outputs: Sequence[str]) -> xr.Dataset:
-        """Return a data set of the axes: what is learnt of every output, over the dimensions that it has.
+        """Return a data set of the axes: what is learnt of some outputs, over the dimensions that each has.
 
-        Parameters
-        ----------
-        dataset : Dataset
-            Outputs, and every input as a variable or coordinate, over any dimensions: the axes, or cases.
-        outputs : sequence of str
-            Which to take.
+        The data set holds outputs and all inputs, as variables or coordinates over any dimensions: the axes, or cases.
         """
         columns = [dataset[input_.name].variable for input_ in self.inputs]
         own_dims = tuple(dict.fromkeys(dim for column in columns for dim in column.dims))
@@ -141,24 +195,7 @@ class Grouping:
     def restore(
         cls, stored: xr.Dataset, axes: Sequence[Input], inputs: tuple[Input, ...], outputs: Sequence[str]
     ) -> Self:
-        """Return the grouping in a file.
-
-        Parameters
-        ----------
-        stored : Dataset
-            As `state` gives it.
-        axes : sequence of Input
-            The training axes.
-        inputs : tuple of Input
-            What the user asks by.
-        outputs : sequence of str
-            Names of the outputs.
-
-        Raises
-        ------
-        ValueError
-            What is inconsistent.
-        """
+        """Return the grouping of a `state`, with these training axes; ValueError names what is inconsistent."""
         names = [input_.name for input_ in inputs]
 
         def powers(row: Array) -> dict[str, float]:
@@ -180,6 +217,131 @@ class Grouping:
         reference = dict(zip(names, stored["reference"].values.tolist(), strict=True))
         return cls(inputs, groups, scalings, powers(stored["added_power"].values), reference)
 
-    @property
-    def _references(self) -> Array:
-        return np.array([self.reference.get(input_.name, middle(input_)) for input_ in self.inputs])
+
+class Scales:
+    """The scales of p outputs as functions of points in the inputs."""
+
+    def __init__(self, grouping: Grouping, names: Sequence[str]) -> None:
+        inputs, scalings = grouping.inputs, [grouping.scalings[name] for name in names]
+        self.names = tuple(names)
+        self.powers = np.stack([row_of(scaling.powers, inputs) for scaling in scalings])
+        self.coefficients = np.array([scaling.coefficient for scaling in scalings])
+        self.signs = np.array([scaling.logarithm for scaling in scalings])
+        self.added = row_of(grouping.added, inputs)
+        self.references = np.array([grouping.reference.get(input_.name, middle(input_)) for input_ in inputs])
+        self._distinct, which = np.unique(self.powers, axis=0, return_inverse=True)
+        self._which = which.reshape(-1)
+        self._logarithms = [(int(k), int(self.signs[k])) for k in np.flatnonzero(self.signs)]
+
+    def values(self, X: Array) -> Array:
+        """Return what learnt outputs are multiplied by at points (n, d): (p, n)."""
+        return np.asarray(np.exp(self._logarithm(X, self._distinct))[self._which])
+
+    def steepness(self, X: Array) -> Array:
+        """Return the derivatives of their logarithms by the inputs at points (n, d): (d, p, n)."""
+        return np.stack([_steepness(X, row) for row in self.powers], axis=1)
+
+    def additions(self, X: Array) -> Array:
+        """Return what is added to learnt outputs at points (n, d): (p, n)."""
+        return np.asarray(self.coefficients[:, None] * self._logarithm(X, self.added[None]))
+
+    def added_slopes(self, X: Array) -> Array:
+        """Return the derivatives of `additions` by the inputs at points (n, d): (d, p, n)."""
+        return np.asarray(self.coefficients[:, None] * _steepness(X, self.added)[:, None])
+
+    def transform(self, values: Array, X: Array) -> Array:
+        """Return what is to be learnt of outputs, (p, n).
+
+        values: (p, n), the outputs in their units; X: (n, d), points in physical units.
+        """
+        learnt = values / self.values(X)
+        for k, sign in self._logarithms:
+            if (learnt[k] * sign <= 0).any():
+                low, high = values[k].min(), values[k].max()
+                raise ValueError(
+                    f"output {self.names[k]!r} is from {low:g} to {high:g}: no logarithm of what changes sign"
+                )
+            learnt[k] = sign * np.log(learnt[k] * sign)  # grows with the output
+        return np.asarray(learnt - self.additions(X))
+
+    def untransform(self, learnt: Array, X: Array) -> Array:
+        """Return the outputs of what is learnt, (p, n): the inverse of `transform`.
+
+        learnt: (p, n); X: (n, d), points in physical units.
+        """
+        outputs = learnt + self.additions(X)
+        for k, sign in self._logarithms:
+            outputs[k] = sign * np.exp(sign * outputs[k])
+        return np.asarray(outputs * self.values(X))
+
+    def sizes(self, X: Array, mean: Array) -> Array:
+        """Return what errors of learnt outputs are multiplied by, (p, n): their scale, or the output of a logarithm.
+
+        X: (n, d); mean: (p, n).
+        """
+        return np.asarray(np.where(self.signs[:, None] == 0, self.values(X), np.abs(mean)))
+
+    def _logarithm(self, X: Array, rows: Array) -> Array:
+        """Logarithms of products of powers relative to the reference, (rows, n); only positive inputs occur in them."""
+        used = rows.any(axis=0)
+        return np.asarray(rows[:, used] @ np.log(X[:, used] / self.references[used]).T)
+
+
+def row_of(powers: Powers, inputs: Sequence[Input]) -> Array:
+    """Return the power of every input, (d,)."""
+    return np.array([powers.get(input_.name, 0.0) for input_ in inputs])
+
+
+def middle(factor: Input) -> float:
+    """Return the middle of a range on its scale."""
+    return float(factor.from_unit(0.0))
+
+
+def span(inputs: Sequence[Input], powers: Powers) -> tuple[float, float]:
+    """Return the least and the largest value of a product of powers over a box."""
+    low = high = 1.0
+    for input_ in inputs:
+        power = powers.get(input_.name, 0.0)
+        if not power:
+            continue
+        ends = [input_.low**power, input_.high**power] + ([0.0] if input_.low < 0 < input_.high else [])
+        products = [a * b for a in (low, high) for b in (min(ends), max(ends))]
+        low, high = min(products), max(products)
+    return low, high
+
+
+def _over(variable: xr.Variable, dims: Mapping[Hashable, int]) -> Array:
+    """Values over dimensions of these sizes, those of the variable among them."""
+    values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
+    axes = tuple(slice(None) if dim in variable.dims else None for dim in dims)
+    return np.broadcast_to(values[axes], tuple(dims.values()))
+
+
+def _product(X: Array, row: Array) -> Array:
+    factors: list[Array] = [_power(X[:, k], row[k]) for k in np.flatnonzero(row)]
+    return np.asarray(np.prod(factors, axis=0))
+
+
+def _slopes(X: Array, row: Array) -> Array:
+    """Derivatives of a product by every input, (d, n)."""
+    slopes = np.zeros((len(row), len(X)))
+    for k in np.flatnonzero(row):
+        others = row.copy()
+        others[k] = 0.0
+        slopes[k] = row[k] * _power(X[:, k], row[k] - 1) * (_product(X, others) if others.any() else 1.0)
+    return slopes
+
+
+def _power(x: Array, power: float) -> Array:
+    """Powers; whole small ones by products and quotients, which are exact at the ends of a range."""
+    by_power: dict[float, Callable[[Array], Array]] = {
+        0.0: np.ones_like, 1.0: np.asarray, 2.0: np.square, -1.0: np.reciprocal
+    }  # fmt: skip
+    return by_power[power](x) if power in by_power else np.asarray(x**power)
+
+
+def _steepness(X: Array, row: Array) -> Array:
+    """Derivatives of the logarithm of a product by the inputs, (d, n)."""
+    steep = np.zeros((len(row), len(X)))
+    steep[row != 0] = row[row != 0, None] / X.T[row != 0]
+    return steep

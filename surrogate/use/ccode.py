@@ -16,8 +16,8 @@ from surrogate.face.model import GaussianProcess
 from surrogate.face.persistence import probe_points
 from surrogate.intervals.distribution import NOMINAL
 from surrogate.intervals.guard import Guard, unguarded
-from surrogate.transforms.groupedgp import GroupedGP
-from surrogate.transforms.outputs import Scales
+from surrogate.transforms.groups import Group, Grouping, Scales, row_of
+from surrogate.transforms.transformed import groups_of
 from surrogate.use.rounding import Rounded
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -100,22 +100,19 @@ class _Context:
         first = outputs[0].grid
         single = arithmetic == np.float32
         stored = np.float32 if all(part.storage == np.float32 for part in outputs) else np.float64
-        model, grouped = outputs[0].model, _grouped(outputs[0].model)
+        model, grouping = outputs[0].model, groups_of(outputs[0].model)
         calibration = model.calibration_
         outer = None if calibration is None else calibration.outer
         names = macros([axis.name for axis in model.inputs_]), macros([part.name for part in outputs])
         cosine = [_kernel(factor.decay, factor.unknown) for factor in first.factors_]
         degrees = np.zeros((1, len(first.factors_)), int) if calibration is None else calibration.trend_degree
-        powers = [] if grouped is None else grouped.grouping.products.powers.tolist()
         units = [self._unit(axis, f"x[{k}]") for k, axis in enumerate(first.inputs_)]
-        if grouped is not None:
-            units = [
-                self._unit(group.axis, self._product(row, group.constant))
-                for group, row in zip(grouped.grouping.groups, powers, strict=True)
-            ]
-        scales = [] if grouped is None else [_scales(part) for part in outputs]
+        scales = [by.scales([part.name]) for part in outputs if (by := groups_of(part.model))]
+        if grouping is not None:
+            rows = zip(grouping.groups, grouping.products.powers.tolist(), strict=True)
+            units = [self._unit(group.axis, self._product(row, group.constant)) for group, row in rows]
         read = np.any([scale.powers[0] != 0 for scale in scales] + [scale.added != 0 for scale in scales[:1]], axis=0)
-        slopes = self._slopes(model, grouped)
+        slopes = self._slopes(model, grouping)
         self.values: dict[str, Any] = {
             "name": name,
             "NAME": name.upper(),
@@ -201,29 +198,22 @@ class _Context:
         product = " * ".join(above) or self.number(1)
         return f"({product} / ({' * '.join(below)}))" if below else f"({product})"
 
-    def _slopes(self, model: GaussianProcess, grouped: GroupedGP | None) -> list[list[str]]:
+    def _slopes(self, model: GaussianProcess, grouping: Grouping | None) -> list[list[str]]:
         """Derivatives of the axes' scaled coordinates by the inputs."""
-        if grouped is None:
-            groups = [(axis, {k: 1.0}, 1.0) for k, axis in enumerate(model.inputs_)]
-        else:
-            parts = zip(grouped.grouping.groups, grouped.grouping.products.powers.tolist(), strict=True)
-            groups = [(group.axis, dict(enumerate(row)), group.constant) for group, row in parts]
-        texts = []
-        for axis, powers, constant in groups:
-            row = [powers.get(k, 0.0) for k in range(len(model.inputs_))]
-            texts.append(
-                [self._slope(axis, row, constant, k) if power else self.number(0) for k, power in enumerate(row)]
-            )
-        return texts
+        groups = [Group(axis, {axis.name: 1.0}) for axis in model.inputs_] if grouping is None else grouping.groups
+        rows = [(group, row_of(group.powers, model.inputs_).tolist()) for group in groups]
+        return [[self._slope(group, row, k) for k in range(len(row))] for group, row in rows]
 
-    def _slope(self, axis: Input, row: Sequence[float], constant: float, k: int) -> str:
-        number = self.number
+    def _slope(self, group: Group, row: Sequence[float], k: int) -> str:
+        number, axis = self.number, group.axis
+        if not row[k]:
+            return number(0)
         if axis.scale == "log":
             return f"{number(2 * row[k] / np.log(axis.high / axis.low))} / x[{k}]"
-        derivative = self._product(row, constant, k)
+        derivative = self._product(row, group.constant, k)
         if axis.scale == "linear":
             return f"{number(2 * row[k] / (axis.high - axis.low))} * {derivative}"
-        value = self._product(row, constant)
+        value = self._product(row, group.constant)
         width = np.log(axis.high / (1 - axis.high)) - np.log(axis.low / (1 - axis.low))
         return f"{number(2 * row[k] / width)} * {derivative} / ({value} * ({number(1)} - {value}))"
 
@@ -298,18 +288,6 @@ class _Context:
             ],
             "allowed": self.numbers(rooms),
         }
-
-
-def _scales(part: Rounded) -> Scales:
-    """The scale of a rounded output over groups."""
-    grouped = _grouped(part.model)
-    assert grouped is not None
-    return grouped.grouping.scales([part.name])
-
-
-def _grouped(model: GaussianProcess) -> GroupedGP | None:
-    """The model over groups; None where there is none."""
-    return model if isinstance(model, GroupedGP) else None
 
 
 def _kernel(decay: Array, unknown: Array) -> dict[str, Any]:

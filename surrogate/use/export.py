@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Array
-from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import GridGP
-from surrogate.intervals.calibration import Calibration
 from surrogate.intervals.distribution import PROBABILITIES
 from surrogate.transforms.curves.basis import Basis
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
-from surrogate.use.rounding import Rounded, fresh_points, grid_of, rounded
+from surrogate.use.rounding import FRESH, Rounded, grid_of, points_of_box, rounded
 
 FORMAT = 5
 #: Error that the rounding may make, over an output's range: below what a page shows.
@@ -36,11 +34,12 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
     if not isinstance(smooth, GridGP | GroupedGP):
         return None
     grid = grid_of(smooth)
-    parts = rounded(smooth, smooth.outputs_, ERROR, np.float64, points=POINTS, absolute=_allowed(model))
+    absolute = model.allowed(ERROR) if isinstance(model, CurveGP) else {}  # small scores need no digits
+    parts = rounded(smooth, smooth.outputs_, ERROR, np.float64, points=POINTS, absolute=absolute)
     rows = [smooth.outputs_.index(name) for name in (model.witnesses if isinstance(model, CurveGP) else model.outputs_)]
     plain: dict[str, Any] = {
         "format": FORMAT,
-        "inputs": _inputs(model.inputs_),
+        "inputs": list(map(asdict, model.inputs_)),
         "order": grid.order_,
         "trains": [_train(part) for part in parts],
         "factors": [
@@ -53,9 +52,9 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
     }
     if isinstance(smooth, GroupedGP):
         groups = {name: array.values.tolist() for name, array in smooth.state().data_vars.items()}
-        plain |= {"axes": _inputs(grid.inputs_), "groups": groups}
+        plain |= {"axes": list(map(asdict, grid.inputs_)), "groups": groups}
     if isinstance(model, CurveGP):
-        plain["curves"] = model.links.described() | {"witness": rows}
+        plain["curves"] = model.described() | {"witness": rows}
         sizes = np.hypot(grid.offset_, grid.scale_)
         for net, basis in zip(plain["curves"]["nets"], model.bases_, strict=True):
             net["whole"] = _fields(basis, sizes[net["scores"]])
@@ -63,23 +62,13 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
     return exact
 
 
-def _allowed(model: GaussianProcess) -> dict[str, float]:
-    """Errors of what curves follow from, in its units: small scores need no digits."""
-    return model.allowed(ERROR) if isinstance(model, CurveGP) else {}
-
-
 def _rooms(model: GaussianProcess, parts: Sequence[Rounded]) -> Array:
     """Largest error of the rounding of every output, (p,), on fresh points."""
     if not isinstance(model, CurveGP):
         return np.array([part.room for part in parts])
-    X = fresh_points(model, POINTS)
+    X = points_of_box(model, FRESH, POINTS)
     means = np.concatenate([part.model.all_mean_std(X, False)[0] for part in parts])
     return np.asarray(np.abs(model.followed(means) - model.all_mean_std(X, False)[0]).max(axis=1))
-
-
-def _inputs(inputs: Sequence[Input]) -> list[dict[str, Any]]:
-    """Names, ranges, scales, units and meanings."""
-    return [asdict(input_) for input_ in inputs]
 
 
 def _train(part: Rounded) -> dict[str, Any]:
@@ -99,19 +88,17 @@ def _outputs(model: GaussianProcess, rooms: Array) -> dict[str, Any]:
     lower, upper = np.broadcast_to(model.distribution.ends(model.level_), (2, len(model.outputs_)))
     arrays = {} if learnt is None else learnt.arrays()
     arrays |= {name: arrays[name].astype(np.float32) for name in _SINGLE if name in arrays}
-    keys = ("units", "long_name")
+    keys, together = ("units", "long_name"), {}
+    if learnt is not None and learnt.copula is not None:
+        # the held-out rows as ranks (m, p), and what makes scores of them: quantiles at probabilities
+        quantiles = {"probabilities": PROBABILITIES.tolist(), "quantiles": learnt.distribution.quantiles}
+        together = {"together": {"ranks": learnt.copula.ranks, **quantiles}}
     return {
         "outputs": [{"name": name, **{key: attrs[name].get(key, "") for key in keys}} for name in model.outputs_],
         "calibration": {name: part for name, part in arrays.items() if name != "quantile"} or None,
         "interval": {"level": model.level_, "lower": lower, "upper": upper, "rooms": rooms},
-        **({} if learnt is None or learnt.copula is None else {"together": _together(learnt)}),
+        **together,
     }
-
-
-def _together(learnt: Calibration) -> dict[str, Any]:
-    """The held-out rows as ranks (m, p), and what makes scores of them: quantiles at probabilities."""
-    ranks = None if learnt.copula is None else learnt.copula.ranks
-    return {"ranks": ranks, "probabilities": PROBABILITIES.tolist(), "quantiles": learnt.distribution.quantiles}
 
 
 def _fields(basis: Basis, sizes: Array) -> dict[str, Any]:

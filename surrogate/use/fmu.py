@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from surrogate.transforms.inputs import middle
+from surrogate.transforms.groups import middle
 from surrogate.use.ccode import code, environment, literal
 from surrogate.use.rounding import Rounded
 

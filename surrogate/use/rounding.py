@@ -23,6 +23,8 @@ from surrogate.transforms.groupedgp import GroupedGP
 Precision = type[np.floating[Any]]
 # Fresh points that judge the rounding, and share of them that lead it; of a quarter each coordinate is an end.
 POINTS, TRIED, AT_ENDS = 20_000, 0.1, 0.25
+#: Seed of the fresh points.
+FRESH = 1
 # Errors allowed to the train are tried from this multiple of the error asked for, each so many times the one before.
 FIRST, FINER, TRIALS = 4.0, 0.6, 60
 # Trials without a smaller error after which none is expected.
@@ -111,7 +113,7 @@ def rounded(
     if isinstance(model, CurveGP) and (largest := [name for name in outputs if name in model.largest]):
         smooth = ", ".join(name for name in model.outputs_ if name not in model.largest) or "none"
         raise ValueError(f"{', '.join(largest)}: largest values of curves have no short form; exported are {smooth}")
-    tried, fresh = _points(model, 0, int(TRIED * points)), fresh_points(model, points)
+    tried, fresh = points_of_box(model, 0, int(TRIED * points)), points_of_box(model, FRESH, points)
     parts = []
     for name in outputs:
         alone = _alone(model, name)
@@ -133,11 +135,6 @@ def _alone(model: GaussianProcess, name: str) -> GaussianProcess:
     return smooth
 
 
-def fresh_points(model: GaussianProcess, count: int) -> Array:
-    """Return the points that judge the rounding, (n, d)."""
-    return _points(model, 1, count)
-
-
 def grid_of(model: GaussianProcess) -> GridGP:
     """Return the grid process that a model's answers follow from; ValueError where there is none."""
     if isinstance(model, GridGP):
@@ -156,8 +153,8 @@ def _over(model: GaussianProcess, grid: GridGP) -> GaussianProcess:
     return model.over({name: _over(member, grid) for name, member in model.members.items()})
 
 
-def _points(model: GaussianProcess, seed: int, count: int) -> Array:
-    """Points of the box, (n, d): spread evenly, and at ends of inputs."""
+def points_of_box(model: GaussianProcess, seed: int, count: int) -> Array:
+    """Return points of the box, (n, d): spread evenly, and at ends of inputs."""
     random = np.random.default_rng(seed)
     t = random.uniform(-1, 1, (len(model.inputs_), count))
     t = np.where(random.uniform(size=t.shape) < AT_ENDS, np.sign(t), t)
@@ -174,7 +171,7 @@ def _output(
 ) -> Rounded:
     """Round a model of one output of a size, by its exact means at points."""
     grid, name, (points, exact) = grid_of(model), model.outputs_[0], tried
-    learnt = grid.means(_axes(model, points))
+    learnt = grid.means(model.calibrated_at(points))  # over the axes
     spread = float(np.ptp(learnt)) or 1.0
     storages: list[Precision] = [np.float32] if arithmetic == np.float32 else [np.float32, np.float64]
     least, since = np.inf, 0
@@ -197,11 +194,6 @@ def _output(
             break
     precision = "single" if arithmetic == np.float32 else "double"
     raise ValueError(f"error {error:g} is not reached for {name!r} in {precision} precision: at best {least:.2g}")
-
-
-def _axes(model: GaussianProcess, X: Array) -> Array:
-    """Scaled coordinates of the grid process inside at points (n, d) of the model: (axes, n)."""
-    return model.calibrated_at(X)
 
 
 def _polynomials(t: Array, count: int) -> Array:

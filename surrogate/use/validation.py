@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from sklearn.metrics import r2_score
 
 from approximation import chebyshev
 from approximation.arrays import Array, Flags, blocks
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input, unit_coordinates
-from surrogate.data.points import named_points
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.transforms.transformed import groups_of
@@ -72,13 +72,13 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
     error = (mean - true) / over
     held = np.stack([_inside(true, mean, std, model.distribution, level) for level in LEVELS], axis=1)
     inside = held[:, LEVELS.index(NOMINAL)]
-    X = np.stack([_stack({name: points[name]}, [name], predicted)[0] for name in model.box], axis=1)
+    X = _stack(points, list(model.box), predicted).T
     by_decile = np.stack([_by_decile(column, inside) for column in X.T], axis=1)
     transform = pit(true, mean, std, model.distribution)
     table: dict[str, Any] = {
         "range": ("output", spread),
         **_errors(error, ""),
-        "r2": ("output", _r2(true, mean)),
+        "r2": ("output", r2_score(true.T, mean.T, multioutput="raw_values")),
         "coverage": ("output", inside.mean(axis=1)),
         "level_coverage": (("output", "level"), held.mean(axis=2)),
         "crps": ("output", (crps(true, mean, std, model.distribution) / over).mean(axis=1)),
@@ -90,8 +90,7 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
         "error": (("output", "case"), error),
     }
     if training is not None:
-        interpolated = baseline(model, training, points, names)
-        table |= _errors((_stack(interpolated, names, predicted) - true) / over, "baseline_")
+        table |= _errors((baseline(model, training, X) - true) / over, "baseline_")
     if model.calibration_ is not None:
         before = validate(model.uncalibrated(), cases, None)
         table |= {f"raw_{name}": before[name].variable for name in ("max_error", "rmse", *_COMPARED)}
@@ -185,12 +184,6 @@ def _errors(error: Array, prefix: str) -> dict[str, Any]:
     }
 
 
-def _r2(true: Array, mean: Array) -> Array:
-    spread = ((true - true.mean(axis=1, keepdims=True)) ** 2).sum(axis=1)
-    error = ((true - mean) ** 2).sum(axis=1)
-    return np.asarray(np.where(spread > 0, 1 - error / np.where(spread > 0, spread, 1), error == 0), dtype=np.float64)
-
-
 def _by_decile(column: Array, inside: Flags) -> Array:
     """Coverage in every decile of the cases sorted by a column: (p, n) -> (p, 10)."""
     parts = np.array_split(np.argsort(column, kind="stable"), DECILES)
@@ -203,42 +196,33 @@ def _stack(dataset: Mapping[Any, xr.DataArray], names: list[str], like: xr.Datas
     return np.stack([np.asarray(array.values, dtype=np.float64).ravel() for array in arrays])
 
 
-def chebyshev_interpolation(
-    training: xr.Dataset,
-    inputs: Sequence[Input] | None,
-    points: Mapping[str, Any] | xr.Dataset,
-    outputs: Sequence[str] | None = None,
-) -> xr.Dataset:
-    """Interpolate a factorial on Chebyshev-Gauss levels by the tensor-product polynomial through all its cases.
+def chebyshev_interpolation(training: xr.Dataset, inputs: Sequence[Input], X: Array, outputs: Sequence[str]) -> Array:
+    """Interpolate outputs on Chebyshev-Gauss levels by the tensor-product polynomial through all cases: (p, n).
 
     Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), chapters 3 and 4.
+
+    X: (n, d), points in physical units.
     """
-    data = complete_factorial(training, inputs, outputs)
-    named = named_points(points, data.inputs)
-    t = [input_.to_unit(named.X[:, k]) for k, input_ in enumerate(data.inputs)]
-    answer = {}
-    for name, values in data.outputs.items():
-        series = reduce(chebyshev.coefficients, range(values.ndim), values)
-        rows = [chebyshev.polynomials(column, size).T for column, size in zip(t, values.shape, strict=True)]
-        answer[name] = named.labelled(contracted(series[..., None], rows)[:, 0], data.attrs[name])
-    return xr.Dataset(answer)
+    values = []
+    for cases in complete_factorial(training, inputs, outputs).outputs.values():
+        series = reduce(chebyshev.coefficients, range(cases.ndim), cases)
+        pairs = zip(unit_coordinates(inputs, X), cases.shape, strict=True)
+        rows = [chebyshev.polynomials(column, size).T for column, size in pairs]
+        values.append(contracted(series[..., None], rows)[:, 0])
+    return np.stack(values)
 
 
-def baseline(
-    model: GaussianProcess, training: xr.Dataset, points: Mapping[str, Any] | xr.Dataset, outputs: Sequence[str]
-) -> xr.Dataset:
-    """Interpolate what a grid or grouped model was trained on: over its own inputs, or its axes and scaled outputs."""
-    grouping, named = groups_of(model), named_points(points, model.inputs_)
+def baseline(model: GaussianProcess, training: xr.Dataset, X: Array) -> Array:
+    """Interpolate what a grid or grouped model was trained on: over its inputs, or its axes and scaled outputs; (p, n).
+
+    X: (n, d), points in physical units.
+    """
+    grouping, names = groups_of(model), model.outputs_
     if grouping is None:
-        return chebyshev_interpolation(training, list(model.inputs_), points, outputs)
-    axes = {axis.name: training[axis.name] for axis in grouping.axes}
-    products = xr.DataArray(grouping.products.values(named.X), dims=("point", "axis"))
-    columns = {axis.name: products.isel(axis=k) for k, axis in enumerate(grouping.axes)}
-    interpolated = chebyshev_interpolation(
-        grouping.reduced(training, outputs).assign_coords(axes), grouping.axes, columns, outputs
-    )
-    rows = grouping.scales(outputs).untransform(np.stack([interpolated[name].values for name in outputs]), named.X)
-    return named.dataset({name: (row, training[name].attrs) for name, row in zip(outputs, rows, strict=True)})
+        return chebyshev_interpolation(training, model.inputs_, X, names)
+    scaled = grouping.reduced(training, names).assign_coords({axis.name: training[axis.name] for axis in grouping.axes})
+    learnt = chebyshev_interpolation(scaled, grouping.axes, grouping.products.values(X), names)
+    return grouping.scales(names).untransform(learnt, X)
 
 
 def contracted(tensor: Array, rows: Sequence[Array]) -> Array:

@@ -13,7 +13,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, given
 from hypothesis import strategies as st
 
 import surrogate
@@ -21,7 +21,7 @@ from storage import examined, quarantine
 from storage.sealed import SEAL, FormatError, seal
 from tests.faults import hostile, hostilefiles
 from tests.faults.conftest import TINY
-from tests.layers import SOAK
+from tests.layers import few_and_many
 from workflow.cli.main import main
 from workflow.dataset import factorial
 from workflow.learning import training
@@ -90,21 +90,10 @@ def run(place: Path, *words: str) -> int:
     return status
 
 
-def few_and_many(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
-    """The same property twice: a few examples in `make test`, the same ones always; many others in `make soak`."""
+def spoiling(few: int, many: int) -> Callable[[Callable[..., None]], Any]:
+    """A property of spoilt files; shrinking a slow example would take minutes."""
     quiet = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow, HealthCheck.data_too_large]
-
-    def twice(property_: Callable[..., None]) -> Callable[..., None]:
-        return settings(
-            max_examples=many if SOAK else few,
-            derandomize=not SOAK,
-            deadline=None,
-            database=None,
-            phases=[Phase.generate],  # shrinking a slow example takes minutes
-            suppress_health_check=quiet,
-        )(property_)
-
-    return twice
+    return few_and_many(few, many, phases=[Phase.generate], suppress_health_check=quiet)
 
 
 #: A valid text of each kind, its file, and the command that reads it.
@@ -115,9 +104,8 @@ TEXTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
 }
 
 
-@pytest.mark.soakable
 @pytest.mark.parametrize("kind", TEXTS)
-@few_and_many(12, 2000)
+@spoiling(12, 2000)
 @given(data=st.data())
 def test_spoilt_texts(kind: str, data: st.DataObject, place: Path) -> None:
     valid, file, words = TEXTS[kind]
@@ -125,8 +113,7 @@ def test_spoilt_texts(kind: str, data: st.DataObject, place: Path) -> None:
     run(place, *words)
 
 
-@pytest.mark.soakable
-@few_and_many(30, 3000)
+@spoiling(30, 3000)
 @given(content=hostile.spoilt(hostile.STUDY))
 def test_studies(content: bytes, place: Path) -> None:
     (place / "config/tiny.yaml").write_bytes(content)
@@ -137,8 +124,7 @@ def test_studies(content: bytes, place: Path) -> None:
     assert not (place / hostile.CANARY).exists()
 
 
-@pytest.mark.soakable
-@few_and_many(20, 500)
+@spoiling(20, 500)
 @given(name=st.one_of(st.text(max_size=30), st.sampled_from(hostile.PAYLOADS)))
 def test_names_of_studies(name: str, place: Path) -> None:
     (place / "outside.yaml").write_text(hostile.STUDY, encoding="utf-8")
@@ -148,8 +134,7 @@ def test_names_of_studies(name: str, place: Path) -> None:
             assert run(place, "run", word) == 2
 
 
-@pytest.mark.soakable
-@few_and_many(20, 3000)
+@spoiling(20, 3000)
 @given(seed=st.integers(0, 2**64), flips=st.integers(1, 30), sealed=st.booleans(), tail=st.integers(0, 300))
 def test_bytes_of_surrogates(seed: int, flips: int, sealed: bool, tail: int, place: Path) -> None:
     dice = random.Random(seed)
@@ -164,8 +149,7 @@ def test_bytes_of_surrogates(seed: int, flips: int, sealed: bool, tail: int, pla
     assert sealed or status == 2
 
 
-@pytest.mark.soakable
-@few_and_many(15, 1500)
+@spoiling(15, 1500)
 @given(seed=st.integers(0, 2**64))
 def test_contents_of_surrogates(seed: int, place: Path) -> None:
     dice = random.Random(seed)
@@ -226,8 +210,7 @@ def test_a_file_of_more_than_plain_numbers_and_texts_is_refused(name: str, place
     assert peak() <= max(BYTES, most)
 
 
-@pytest.mark.soakable
-@few_and_many(4, 1000)
+@spoiling(4, 1000)
 @given(name=st.sampled_from(sorted(hostilefiles.ATTACKS)), seed=st.integers(0, 2**64))
 def test_bytes_of_attacks(name: str, seed: int, place: Path) -> None:
     dice = random.Random(seed)

@@ -1,23 +1,15 @@
 """Random admissible materials, loads and contacts for the property tests."""
 
-from collections.abc import Callable
 from typing import Any
 
-import pytest
-from hypothesis import settings
 from hypothesis import strategies as st
 
 import solver
 from solver.material.constants import ANY_SIZE
-from tests.layers import SOAK
+from tests.layers import few_and_many
 
-
-def property_based(test: Callable[..., None]) -> Callable[..., None]:
-    """A test of a few examples, the same in every run, and of many in `make soak`; without a clock."""
-    marked: Callable[..., None] = pytest.mark.soakable(
-        settings(deadline=None, derandomize=True, max_examples=100 if SOAK else 8)(test)
-    )
-    return marked
+#: A test of a few examples, and of many in `make soak`.
+property_based = few_and_many(8, 100)
 
 
 def between(low: float, high: float) -> st.SearchStrategy[float]:

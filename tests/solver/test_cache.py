@@ -33,11 +33,6 @@ def _table(number: int, size: int) -> _Table:
 
 
 @cache.cached
-def _filled(number: int) -> Array:
-    return np.full(125_000, float(number))
-
-
-@cache.cached
 def _view(number: int) -> Array:
     return _table(number, 1_000_000).values[: 10 + number]
 
@@ -70,22 +65,6 @@ def test_what_results_share_counts_once_and_a_view_as_its_whole_array(monkeypatc
     assert cache.trim() > 1e6
     _table(8, 1)
     assert cache.trim() <= 1e6
-
-
-def test_a_stored_result_is_added_and_all_are_summed_only_when_they_pass_the_bound(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(cache, "LARGEST", 20e6)
-    monkeypatch.setattr(cache, "_next", 0.0)
-    monkeypatch.setattr(cache, "_APART", 1e9)  # no sums from time to time
-    bounds: list[float] = []
-    original = cache.trim
-    monkeypatch.setattr(cache, "trim", lambda bound=np.inf: bounds.append(original(bound)))
-    cache.trim()
-    for number in range(100):
-        _filled(number)
-    assert len(bounds) <= 1 + 100 / 5  # 1 MB each, and a quarter of the bound is freed at once
-    assert original() <= 20e6
 
 
 def test_charges_that_spread_without_end_are_refused_before_their_table_is_made() -> None:

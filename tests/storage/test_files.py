@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from storage.blocks import Region, write_blocks
 from storage.files import write_bytes, write_text, writing
 from storage.netcdf import checksum, read_whole, write_whole
-from storage.sealed import PARTIAL, FormatError, check_seal, sha256
+from storage.sealed import PARTIAL
 
 WRITERS: dict[str, Callable[[Path], None]] = {
     "text": lambda path: write_text(path, "a" * 10**6),
@@ -44,17 +44,6 @@ def test_a_text_has_the_permissions_of_any_new_file_and_of_a_netcdf_file(mask: i
     finally:
         os.umask(before)
     assert {(tmp_path / name).stat().st_mode & 0o777 for name in WRITERS} == {mode}
-
-
-def test_netcdf_files_are_sealed_and_texts_are_not(tmp_path: Path) -> None:
-    for name, write in WRITERS.items():
-        write(tmp_path / name)
-    content = (tmp_path / "netcdf").stat().st_size - 48
-    assert check_seal(tmp_path / "netcdf", 2**30) == sha256(tmp_path / "netcdf", content).hex()
-    assert list(read_whole(tmp_path / "netcdf").data_vars) == ["f"]
-    assert (tmp_path / "text").read_bytes() == b"a" * 10**6
-    with pytest.raises(FormatError, match="no seal"):
-        check_seal(tmp_path / "text", 2**30)
 
 
 @pytest.mark.parametrize("name", WRITERS)

@@ -106,16 +106,6 @@ def test_a_changed_value_attribute_or_name_is_detected(change: str, tmp_path: Pa
         read_whole(tmp_path / "a.nc")
 
 
-def test_a_file_without_its_mark_is_incomplete(tmp_path: Path) -> None:
-    sample().to_netcdf(tmp_path / "a.nc", engine="netcdf4")
-    for lazy in (False, True):
-        with pytest.raises(FormatError, match="incomplete"):
-            read_whole(tmp_path / "a.nc", lazy=lazy)
-    seal(tmp_path / "a.nc")
-    with pytest.raises(FormatError, match="it has no checksum"):
-        read_whole(tmp_path / "a.nc")
-
-
 def test_a_flipped_byte_anywhere_is_found_before_the_library_reads_it(tmp_path: Path) -> None:
     write_whole(sample(), tmp_path / "a.nc")
     whole = (tmp_path / "a.nc").read_bytes()
@@ -127,42 +117,45 @@ def test_a_flipped_byte_anywhere_is_found_before_the_library_reads_it(tmp_path: 
             read_whole(tmp_path / "a.nc")
 
 
-def test_something_else_and_nothing_are_told_apart(tmp_path: Path) -> None:
-    (tmp_path / "a.nc").write_text("material,radius\n")
-    with pytest.raises(FormatError, match="incomplete: it has no seal"):
-        read_whole(tmp_path / "a.nc")
+def foreign(path: Path, size: int | None) -> None:
+    """Write a netCDF file with one dimension and a false checksum."""
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("x", size)
+        file.createVariable("x", "f8", ("x",), compression="zlib", chunksizes=(2**16,))
+        file.checksum = "0"
+
+
+@pytest.mark.parametrize(
+    ("write", "said"),
+    [
+        (lambda path: path.write_text("material,radius\n"), "no readable netCDF-4"),
+        (lambda path: sample().to_netcdf(path, engine="netcdf4"), "it has no checksum"),
+        (lambda path: foreign(path, 2**40), "too large: it unpacks to 8796093022208 bytes"),
+        (lambda path: foreign(path, None), "unlimited dimension 'x'"),
+    ],
+)
+def test_a_file_of_another_program_is_refused_with_a_seal_too(
+    write: Callable[[Path], object], said: str, tmp_path: Path
+) -> None:
+    write(tmp_path / "a.nc")
+    for lazy in (False, True):
+        with pytest.raises(FormatError, match="incomplete: it has no seal"):
+            read_whole(tmp_path / "a.nc", lazy=lazy)
     seal(tmp_path / "a.nc")
-    with pytest.raises(FormatError, match="no readable netCDF-4"):
+    with pytest.raises(FormatError, match=said):
         read_whole(tmp_path / "a.nc")
+
+
+def test_nothing_and_too_much_are_named(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="no such file"):
         read_whole(tmp_path / "b.nc")
     with pytest.raises(FileNotFoundError, match="is a folder"):
         read_whole(tmp_path)
     with pytest.raises(FileNotFoundError, match="does not exist"):
         write_whole(sample(), tmp_path / "folder" / "b.nc")
-
-
-def test_a_file_that_unpacks_beyond_the_limit_is_refused_before_it_is_loaded(tmp_path: Path) -> None:
-    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
-        file.createDimension("x", 2**40)
-        file.createVariable("x", "f8", ("x",), compression="zstd", chunksizes=(2**16,))
-        file.checksum = "0"
-    seal(tmp_path / "a.nc")
-    with pytest.raises(FormatError, match="too large: it unpacks to 8796093022208 bytes"):
-        read_whole(tmp_path / "a.nc")
     write_whole(sample(), tmp_path / "b.nc")
     with pytest.raises(FormatError, match="too large"):
         read_whole(tmp_path / "b.nc", max_bytes=1000)
-
-
-def test_an_unlimited_dimension_is_refused(tmp_path: Path) -> None:
-    with netCDF4.Dataset(tmp_path / "a.nc", "w") as file:
-        file.createDimension("x", None)
-        file.createVariable("x", "f8", ("x",))
-        file.checksum = "0"
-    seal(tmp_path / "a.nc")
-    with pytest.raises(FormatError, match="unlimited dimension 'x'"):
-        read_whole(tmp_path / "a.nc")
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate import Group, Grouping, Input, Scaling
-from surrogate.transforms.inputs import span
+from surrogate.transforms.groups import span
 
 INPUTS = (
     Input("mixture", 0.05, 0.9),

@@ -60,8 +60,11 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Copy, tmp_path: 
 
 
 SOLVE = """
-import sys
-sys.modules |= dict.fromkeys(("matplotlib", "snakemake", "pygments"))  # as if they were not installed
+import importlib.util, sys
+absent = dict.fromkeys(("matplotlib", "snakemake", "pygments"))
+sys.modules |= absent  # as if they were not installed
+find = importlib.util.find_spec
+importlib.util.find_spec = lambda name: None if name in absent else find(name)
 from workflow.cli.main import main
 print(main(["solve", "cases.csv", "-o", "out.nc"]), main(["run", "quickstart"]))
 """

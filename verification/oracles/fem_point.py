@@ -14,13 +14,12 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 from scipy.special import gamma
 
-from verification.oracles.fem_film import ELECTRIC, FORCES, Layer, clamped, contact
+from verification.oracles.fem_film import Layer, clamped, contact
 from verification.oracles.film_mesh import FAR, assemble, depths, growing
-from verification.oracles.gap_response import LEAST, SMALL, STEPS, VACUUM, Dry, Gap
-from verification.oracles.spectral import Body, Index, Quadrilaterals, bilinear, lagrange
+from verification.oracles.gap_response import LEAST, VACUUM, Dry, Gap, settled
+from verification.oracles.spectral import ELECTRIC, FORCES, Body, Index, Quadrilaterals, bilinear, lagrange
 from verification.oracles.surface_response import STIFFNESS, UNITS, Array, surface_response
 
-_CLOSE = 1e-8  # change of the punch's place and potentials from one step to the next, each over itself
 _GROWTH, _SIZE = 2.5, 0.25  # of elements: far away, and beside the edge
 
 
@@ -190,19 +189,16 @@ class PointContact:
         exponent, curved = self._profile
         gap = (r**2 - 1) ** 1.5 * r ** (exponent - 3) * curved / self.radius
         gap = gap if self.permittivity else np.full_like(gap, np.inf)
-        last = np.zeros(3)
-        for _ in range(STEPS):
-            states, loads = self._charged(gap)
+
+        def weighed(loads: Array) -> Array:
             rows = np.array([self._strength(loads[self._below, 1]), -loads[:, ELECTRIC].sum(axis=0)])
             right = np.array([0.0, self.charge / self._per_load(ELECTRIC)]) - rows[:, 1] * curved
-            weights_outer = np.linalg.solve(rows[:, [0, 2]], right)
-            weights = np.array([weights_outer[0], curved, weights_outer[1]])
-            u, size = states @ weights, np.abs(weights)
-            change = np.max(np.abs(weights - last) / np.maximum(size, SMALL * size.max()))
-            if not self.permittivity or change < _CLOSE:
-                return u, loads @ weights, weights, gap
-            gap, last = (weights[0] + curved * r**exponent - self._exterior.at(u[:, 1])) / self.radius, weights
-        raise ArithmeticError(f"the punch's place and potential still change by {change:.1e} after {STEPS} steps")
+            return np.insert(np.linalg.solve(rows[:, [0, 2]], right), 1, curved)
+
+        def opened(u: Array, weights: Array) -> Array:
+            return np.asarray((weights[0] + curved * r**exponent - self._exterior.at(u[:, 1])) / self.radius)
+
+        return settled(self._charged, weighed, opened, gap, 1e-8)
 
     def _per_load(self, field: int) -> float:
         """SI per scaled nodal load, over the whole circle."""

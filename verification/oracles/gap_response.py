@@ -1,5 +1,6 @@
 """Air beside a contact, on finite elements: response of the bodies without air and to charges; the surface's nodes."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -7,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
-from verification.oracles.fem_film import ELECTRIC, MAGNETIC, factorised
-from verification.oracles.spectral import Body, Index, lagrange
+from verification.oracles.spectral import ELECTRIC, MAGNETIC, Body, Index, factorised, lagrange
 from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
-STEPS = 60  # of gaps and potentials in turn, at most
-SMALL = 1e-6  # over the largest of the weights of the states: counts as nothing
+_STEPS = 60  # of gaps and potentials in turn, at most
+_SMALL = 1e-6  # over the largest of the weights of the states: counts as nothing
 LEAST = 1e-9  # gap over the length of an element below which the potential is as good as the punch's
 VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 
@@ -26,9 +26,7 @@ class Dry:
     airy: Index
     touched: Index
     raised: Index
-    # Potentials beside the contact and loads of the contact in the states
-    prescribed_potentials: Array
-    prescribed_loads: Array
+    prescribed_loads: Array  # loads of the contact in the states
     # What unit charges on ``airy`` make there, of ``raised`` and of the loads on ``touched``
     flexibility: Array
     lift: Array
@@ -50,15 +48,15 @@ class Dry:
         place = np.cumsum(free) - 1
         contact = stiffness[touched]
         flexibility, lift, pressed = (np.empty((len(dofs), len(airy))) for dofs in (airy, raised, touched))
-        for block in np.array_split(np.arange(len(airy)), max(len(airy) // 64, 1)):
-            unit = np.zeros((int(free.sum()), len(block)))
-            unit[place[airy[block]], np.arange(len(block))] = 1.0
-            moved = np.zeros((len(free), len(block)))
+        for start in range(0, len(airy), 64):
+            block, driven = slice(start, start + 64), place[airy[start : start + 64]]
+            unit, moved = np.zeros((int(free.sum()), len(driven))), np.zeros((len(free), len(driven)))
+            unit[driven, np.arange(len(driven))] = 1.0
             moved[free] = factors.solve(unit)
             moved = np.asarray(columns @ moved)
             flexibility[:, block], lift[:, block] = moved[airy], moved[raised]
             pressed[:, block] = np.asarray(contact @ moved)
-        return cls(loads, airy, touched, raised, loads[airy], contact @ loads, flexibility, lift, pressed)
+        return cls(loads, airy, touched, raised, contact @ loads, flexibility, lift, pressed)
 
     def charged(self, air: "csr_array[np.float64]", pushed: Array) -> tuple[Array, Array]:
         """Scaled u, right-hand side and nodal loads where air is a spring on potentials; (unknown, state)."""
@@ -67,7 +65,7 @@ class Dry:
         drive = (air @ held - pushed)[self.airy]
         inner = air[self.airy][:, self.airy].toarray()
         matrix = np.eye(len(inner)) - self.flexibility @ inner
-        potentials = np.linalg.solve(matrix, self.prescribed_potentials + self.flexibility @ drive)
+        potentials = np.linalg.solve(matrix, self.prescribed[self.airy] + self.flexibility @ drive)
         charges = inner @ potentials + drive
         u, loads = self.prescribed.copy(), np.zeros_like(self.prescribed)
         u[self.airy] = potentials
@@ -75,6 +73,30 @@ class Dry:
         loads[self.airy] = charges
         loads[self.touched] = self.prescribed_loads + self.pressed @ charges
         return u, loads
+
+
+def settled(
+    charged: Callable[[Array], tuple[Array, Array]],
+    weighed: Callable[[Array], Array],
+    opened: Callable[[Array, Array], Array],
+    gap: Array,
+    close: float,
+) -> tuple[Array, Array, Array, Array]:
+    """Scaled u, nodal loads (node, 4), weights of the states, and gaps; an infinite gap has no air and stays.
+
+    charged: u and loads of the states at a gap; weighed: weights from the loads; opened: gap from u and the weights;
+    close: largest change of the weights from one step to the next, each over itself.
+    """
+    last = np.zeros(1)
+    for _ in range(_STEPS):
+        states, loads = charged(gap)
+        weights = weighed(loads)
+        u, size = states @ weights, np.abs(weights)
+        change = np.max(np.abs(weights - last) / np.maximum(size, _SMALL * size.max()))
+        if np.all(np.isinf(gap)) or change < close:
+            return u, loads @ weights, weights, gap
+        gap, last = opened(u, weights), weights
+    raise ArithmeticError(f"the punch's place and potentials still change by {change:.1e} after {_STEPS} steps")
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,22 +32,22 @@ class Slab:
 
 def film_mean(slabs: Sequence[Slab], base: Slab, film: int, time: float, cells: int = 400) -> float:
     """Mean temperature of a layer after a unit step at the surface, extrapolated from two meshes."""
-    coarse, fine = (_film_mean(slabs, base, film, time, count) for count in (cells, 2 * cells))
+
+    def mean(cells: int) -> float:
+        widths, conductivity, capacity, layer = _column(slabs, base, time, cells)
+        resistance = widths / (2 * conductivity)
+        between = 1 / (resistance[:-1] + resistance[1:])
+        surface = 1 / resistance[0]
+        diagonal = np.append(between, 0.0) + np.append(surface, between)
+        root = np.sqrt(widths * capacity)
+        values, vectors = eigh_tridiagonal(diagonal / root**2, -between / (root[:-1] * root[1:]))
+        source = vectors.T @ np.append(surface / root[0], np.zeros(len(widths) - 1))
+        temperatures = vectors @ (-np.expm1(-values * time) / values * source) / root
+        inside = layer == film
+        return float(widths[inside] @ temperatures[inside] / widths[inside].sum())
+
+    coarse, fine = mean(cells), mean(2 * cells)
     return fine + (fine - coarse) / 3
-
-
-def _film_mean(slabs: Sequence[Slab], base: Slab, film: int, time: float, cells: int) -> float:
-    widths, conductivity, capacity, layer = _column(slabs, base, time, cells)
-    resistance = widths / (2 * conductivity)
-    between = 1 / (resistance[:-1] + resistance[1:])
-    surface = 1 / resistance[0]
-    diagonal = np.append(between, 0.0) + np.append(surface, between)
-    root = np.sqrt(widths * capacity)
-    values, vectors = eigh_tridiagonal(diagonal / root**2, -between / (root[:-1] * root[1:]))
-    source = vectors.T @ np.append(surface / root[0], np.zeros(len(widths) - 1))
-    temperatures = vectors @ (-np.expm1(-values * time) / values * source) / root
-    inside = layer == film
-    return float(widths[inside] @ temperatures[inside] / widths[inside].sum())
 
 
 def spot_heat(
@@ -71,54 +71,40 @@ def spot_heat(
     ``share`` weights the integral by the distance from the middle, with jumps at ``marks``. Extrapolated from two
     meshes.
     """
-    coarse, fine = (
-        _spot_heat(slabs, base, film, time, radius, share, marks, punch, gap, line, count)
-        for count in (cells, 3 * cells // 2)
-    )
+
+    def heat(cells: int) -> float:
+        widths, conductivity, capacity, layer = _column(slabs, base, time, cells, at_faces=True)
+        parts = [*slabs, base, *([punch] if punch else [])]
+        reach = _DEEP * max(np.sqrt(part.conductivity / part.capacity * time) for part in parts)
+        edges = _rings(sorted({radius, *(mark for mark in marks if mark > 0)}), max(radius, *marks, 0.0) + reach, cells)
+        middles = (edges[1:] + edges[:-1]) / 2
+        areas = 2 * np.diff(edges) if line else np.pi * np.diff(edges**2)
+        crossed = np.full(len(middles) - 1, 2.0) if line else 2 * np.pi * edges[1:-1]
+        inside = np.where(middles < radius, 0.0, np.inf if gap is None else gap(middles) / _AIR)
+        first = widths[0] / (2 * conductivity[0])
+        matrix, mass = _body(widths, conductivity, capacity, areas, crossed / np.diff(middles))
+        columns, below = len(areas), len(mass)
+        if punch:
+            heights = _DEEP * np.sqrt(punch.conductivity / punch.capacity * time) * _rising(widths[0], reach, cells)
+            above = np.full(len(heights), punch.conductivity), np.full(len(heights), punch.capacity)
+            upper, mass_above = _body(heights, *above, areas, crossed / np.diff(middles))
+            into = areas / (first + heights[0] / (2 * punch.conductivity) + inside)
+            place = np.arange(columns)
+            joints = _links(place, below + place, into, below + len(mass_above))
+            matrix = block_diag([matrix, upper], format="csc") + joints
+            mass, source = np.append(mass, mass_above), np.zeros(below + len(mass_above))
+            temperatures = np.append(np.zeros(below), np.ones(len(mass_above)))
+        else:
+            source, temperatures = np.zeros(below), np.zeros(below)
+            source[:columns] = areas / (first + inside)
+            matrix = csc_array(matrix + diags_array(source))
+        for start, end in pairwise(time * np.concatenate([[0.0], 4.0 ** np.arange(-8, 1)])):
+            temperatures = _advanced(matrix, mass, source, temperatures, (end - start) / _STEPS, _STEPS)
+        warm = temperatures[:below].reshape(-1, columns)[layer == film]
+        return float(widths[layer == film] @ warm @ (areas * share(middles)) / widths[layer == film].sum())
+
+    coarse, fine = heat(cells), heat(3 * cells // 2)
     return fine + 0.8 * (fine - coarse)
-
-
-def _spot_heat(
-    slabs: Sequence[Slab],
-    base: Slab,
-    film: int,
-    time: float,
-    radius: float,
-    share: Callable[[Array], Array],
-    marks: Sequence[float],
-    punch: Slab | None,
-    gap: Callable[[Array], Array] | None,
-    line: bool,
-    cells: int,
-) -> float:
-    widths, conductivity, capacity, layer = _column(slabs, base, time, cells, at_faces=True)
-    parts = [*slabs, base, *([punch] if punch else [])]
-    reach = _DEEP * max(np.sqrt(part.conductivity / part.capacity * time) for part in parts)
-    edges = _rings(sorted({radius, *(mark for mark in marks if mark > 0)}), max(radius, *marks, 0.0) + reach, cells)
-    middles = (edges[1:] + edges[:-1]) / 2
-    areas = 2 * np.diff(edges) if line else np.pi * np.diff(edges**2)
-    crossed = np.full(len(middles) - 1, 2.0) if line else 2 * np.pi * edges[1:-1]
-    inside = np.where(middles < radius, 0.0, np.inf if gap is None else gap(middles) / _AIR)
-    first = widths[0] / (2 * conductivity[0])
-    matrix, mass = _body(widths, conductivity, capacity, areas, crossed / np.diff(middles))
-    columns, below = len(areas), len(mass)
-    if punch:
-        heights = _DEEP * np.sqrt(punch.conductivity / punch.capacity * time) * _rising(widths[0], reach, cells)
-        above = np.full(len(heights), punch.conductivity), np.full(len(heights), punch.capacity)
-        upper, mass_above = _body(heights, *above, areas, crossed / np.diff(middles))
-        into = areas / (first + heights[0] / (2 * punch.conductivity) + inside)
-        place = np.arange(columns)
-        matrix = block_diag([matrix, upper], format="csc") + _links(place, below + place, into, below + len(mass_above))
-        mass, source = np.append(mass, mass_above), np.zeros(below + len(mass_above))
-        temperatures = np.append(np.zeros(below), np.ones(len(mass_above)))
-    else:
-        source, temperatures = np.zeros(below), np.zeros(below)
-        source[:columns] = areas / (first + inside)
-        matrix = csc_array(matrix + diags_array(source))
-    for start, end in pairwise(time * np.concatenate([[0.0], 4.0 ** np.arange(-8, 1)])):
-        temperatures = _advanced(matrix, mass, source, temperatures, (end - start) / _STEPS, _STEPS)
-    warm = temperatures[:below].reshape(-1, columns)[layer == film]
-    return float(widths[layer == film] @ warm @ (areas * share(middles)) / widths[layer == film].sum())
 
 
 def _body(widths: Array, conductivity: Array, capacity: Array, areas: Array, aside: Array) -> tuple[csc_array, Array]:
@@ -149,8 +135,7 @@ def _column(
     widths = [slab.thickness * shares for slab in slabs]
     depth = _DEEP * np.sqrt(base.conductivity / base.capacity * time)
     first = min(slabs[-1].thickness, depth / 4) / depth if slabs else 0.25
-    stretch = np.log(1 / first) + 1  # volumes of the base grow from about the last layer's on
-    widths.append(depth * np.diff(np.expm1(stretch * np.linspace(0, 1, 3 * cells + 1)) / np.expm1(stretch)))
+    widths.append(depth * _rising(first, np.e, cells))  # growing from about the last layer's on
     layer = np.repeat(np.arange(len(slabs) + 1), [len(part) for part in widths])
     parts = [*slabs, base]
     return (

@@ -13,10 +13,14 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from scipy.sparse.linalg import SuperLU, splu
 
 from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 Index = NDArray[np.int64]
+ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, psi)
+#: N/m, N/m, C/m, Wb/m of a scaled nodal load.
+FORCES = STIFFNESS / UNITS
 FIELDS = (
     "stress_xx",
     "stress_yy",
@@ -196,6 +200,12 @@ class Body:
             if np.all(np.abs(local) <= 1 + _CLOSE):
                 return int(element), local[0]
         raise ValueError(f"no element of layer {layer} holds {point}")
+
+
+def factorised(matrix: "csr_array[np.float64]") -> "SuperLU[np.float64]":
+    """LU factors of a stiffness whose structure is symmetric."""
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.001, options=options)
 
 
 def _dofs(nodes: Index) -> Index:

@@ -19,11 +19,7 @@ from verification.oracles.surface_response import Array, angular_integrals
 
 Complex = NDArray[np.complex128]
 
-STRESS, DISPLACEMENT_FIELD, POTENTIAL = (
-    1e11,
-    10.0,
-    1e10,
-)  # units in which all constants are of order one [Pa, C/m2, V/m]
+STRESS, DISPLACEMENT_FIELD, POTENTIAL = 1e11, 10.0, 1e10  # units with all constants of order one [Pa, C/m2, V/m]
 VACUUM = 8.8541878128e-12
 _VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 _AZIMUTHS = 32  # of wave vectors; the series of lithium niobate's response ends at 1e-9
@@ -120,10 +116,8 @@ class Body:
     thickness: float = np.inf
 
 
-def body(
-    whole: Array, friction: float = 0.0, thickness: float = np.inf, base: Array | None = None, punch: float = 0.0
-) -> Body:
-    """Body under a punch that slides along x with a friction coefficient; ``punch``: 2 (1 - nu^2)/E of it, 1/Pa."""
+def body(whole: Array, friction: float = 0.0, thickness: float = np.inf) -> Body:
+    """Body under a punch that slides along x with a friction coefficient."""
     azimuths = 2 * np.pi * np.arange(_AZIMUTHS) / _AZIMUTHS
     pick = np.zeros((4, 2))
     pick[2, 0] = pick[3, 1] = 1.0
@@ -131,11 +125,10 @@ def body(
     push[0, 0] = -friction  # s_xz = -eta s_zz: the pressed surface is dragged along x
     above = half_space(whole, azimuths)
     half = pick.T @ above @ push
-    half[:, 0, 0] += punch * STRESS
     if not np.isfinite(thickness):
         return Body(np.fft.fft(half, axis=0) / _AZIMUTHS)
     depths = _DEEP * (1 - np.cos(np.pi * (np.arange(_DEPTHS) + 0.5) / _DEPTHS)) / 2
-    layered = film(whole, depths, azimuths[: _AZIMUTHS // 2], base)
+    layered = film(whole, depths, azimuths[: _AZIMUTHS // 2])
     layered = np.concatenate([layered, layered.conj()], axis=1)  # waves that run the other way
     excess = pick.T @ (layered - above) @ push
     flat = np.fft.fft(excess, axis=1).reshape(_DEPTHS, -1) / _AZIMUTHS

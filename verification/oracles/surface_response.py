@@ -47,7 +47,7 @@ class SurfaceResponse:
         return along
 
 
-def surface_response(material: Mapping[str, float], speed: float = 0.0) -> SurfaceResponse:
+def surface_response(material: Mapping[str, float]) -> SurfaceResponse:
     """Surface response of a material."""
     m = material
     Q = np.diag([m["c11"], m["c44"], -m["eps11"], -m["mu11"]])
@@ -58,9 +58,8 @@ def surface_response(material: Mapping[str, float], speed: float = 0.0) -> Surfa
     T[2, 3] = T[3, 2] = -m["g33"]
     R = np.zeros((4, 4))
     R[0, 1:], R[1:, 0] = (m["c13"], m["e31"], m["f31"]), (m["c44"], m["e15"], m["f15"])
-    inertia = m["rho"] * speed**2 * np.diag([1.0, 1.0, 0.0, 0.0]) if speed else np.zeros((4, 4))
     scale = UNITS[:, None] * UNITS / STIFFNESS
-    local, compliance = angular_integrals(*((block * scale) for block in (Q - inertia, R, T)))
+    local, compliance = angular_integrals(*((block * scale) for block in (Q, R, T)))
     return SurfaceResponse(local * scale, compliance * scale, Q, R, T)
 
 

@@ -49,7 +49,6 @@ def page() -> str:
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined, keep_trailing_newline=True
     )
-    environment.globals |= {"number": _number}
     return environment.get_template("calculator.html.j2").render(
         style=Markup((TEMPLATES / "calculator.css").read_text(encoding="utf-8")),
         script=Markup(script((*CALCULATING, *_SHOWING))),
@@ -69,23 +68,6 @@ def _embedded(content: Any) -> Markup:
     """Plain data that nothing within can end before its end."""
     text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
     return Markup(text.replace("<", "\\u003c"))
-
-
-def _number(
-    name: str, words: str, value: str, low: float = 0, high: float = 0, step: float = 0, scale: str = ""
-) -> Any:
-    """A labelled number with its unit, and a slider where it has a range."""
-    slider = (
-        Markup('<input type="range" data-of="{}" data-scale="{}" min="{}" max="{}" step="{}" aria-label="{}">').format(
-            name, scale, low, high, step, words
-        )
-        if step
-        else ""
-    )
-    return Markup(
-        '<div class="entry"><label for="{0}">{1}</label><input id="{0}" name="{0}" value="{2}" inputmode="text" '
-        'spellcheck="false" aria-describedby="{0}-note">{3}<span id="{0}-note" role="alert"></span></div>'
-    ).format(name, words, value, slider)
 
 
 def library() -> dict[str, Any]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TextIO, TypeAlias
+from typing import Any, TextIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,10 @@ from workflow.cli.textfile import (
 )
 from workflow.cli.words import named, quantity
 from workflow.language.factors import FACTORS, own_kind
-from workflow.language.given import UnitlessError, check_bare
+from workflow.language.given import check_bare
 from workflow.language.renamed import renamed
 from workflow.language.spelling import suggested
-from workflow.study.reading import InputError, number
+from workflow.study.reading import InputError, located, number
 
 _LARGEST = 1 << 28  # bytes
 _MOST_CASES = 1_000_000
@@ -81,17 +81,17 @@ class Table:
         return column
 
 
-def one_case(option: str, text: str) -> Table:
-    """One case from an option ``NAME=VALUE,...``."""
+def one_case(option: str, text: str, units: Mapping[str, str] | None = None) -> Table:
+    """One case from an option ``NAME=VALUE,...``: of factors, or of names with their units."""
     columns: dict[str, NDArray[Any]] = {}
     bare = set()
     for name, value in named(option, text, valued=True).items():
-        if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
+        if name in (FACTORS if units is None else units):
+            unit, factor = (FACTORS[name].units, name) if units is None else (units[name], "")
+            columns[name] = np.array([quantity(f"{option}: {name}", value, unit, factor)])
+            bare |= {name} if is_number(value) else set()
+        else:  # a name, or what the solver or the surrogate does not know
             columns[name] = np.array([value], dtype=object)
-            continue
-        columns[name] = np.array([quantity(f"{option}: {name}", value, FACTORS[name].units, name)])
-        if is_number(value):
-            bare.add(name)
     return Table(option, columns, np.empty(0, dtype=np.int64), frozenset(bare))
 
 
@@ -123,14 +123,9 @@ def _tables(path: Path, measured: Mapping[str, str], rows: int | None) -> Iterat
         raise InputError(f"{path}: not a CSV table in {file.encoding}: {error}") from None
 
 
-_Numbers: TypeAlias = "dict[str, array[float]]"
-_Texts: TypeAlias = dict[str, list[str | None]]
-
-
-def _empty(header: list[str]) -> tuple[_Numbers, _Texts, "array[int]"]:
-    """Columns of numbers and of names, and lines, without rows."""
-    columns: _Numbers = {name: array("d") for name in header if name not in TEXT_FACTORS}
-    return columns, {name: [] for name in header if name in TEXT_FACTORS}, array("q")
+def _empty(header: Collection[str]) -> tuple[dict[str, Any], "array[int]"]:
+    """Columns, arrays of numbers or lists of names, and lines, without rows."""
+    return {name: [] if name in TEXT_FACTORS else array("d") for name in header}, array("q")
 
 
 @dataclass(frozen=True)
@@ -158,14 +153,13 @@ class _Reader:
         if second is None:
             raise InputError(f"{path}: needs a header of factor names and at least one case")
         scales = {name: 1.0 if unit is None else self.scale(name, unit) for name, unit in units_of_columns.items()}
-        columns, texts, lines = _empty(header)
-        names: dict[str, str | None] = {"": None}  # every name is stored once, however often it occurs
+        columns, lines = _empty(header)
         bare: set[str] = set()
         for line, row in chain([second], rows):
             where = f"{path}: line {line}"
             if len(lines) == most:
-                yield self.made(header, columns, texts, lines, bare)
-                columns, texts, lines = _empty(header)
+                yield self.made(columns, lines, bare)
+                columns, lines = _empty(header)
             if most is None and len(lines) == _MOST_CASES:
                 raise InputError(f"{where}: more than {_MOST_CASES} cases; split the table")
             if len(row) > len(header) and not any(map(str.strip, row[len(header) :])):
@@ -174,28 +168,24 @@ class _Reader:
                 raise InputError(f"{where}: {len(row)} cells, the header has {len(header)}{self.hint(row)}")
             for name, cell in zip(header, row, strict=True):
                 text = cell.strip()
-                if len(text) > LONGEST_CELL:
-                    shown = f"{text[:20]}..."
-                    raise InputError(f"{where}: {name}: {shown!r} has more than {LONGEST_CELL} characters")
-                if name in columns:
-                    columns[name].append(self.number(where, name, text, scales[name], units_of_columns[name], bare))
-                else:
-                    texts[name].append(names.setdefault(text, self.name(where, name, text)))
+                try:
+                    if len(text) > LONGEST_CELL:
+                        raise ValueError(f"{f'{text[:20]}...'!r} has more than {LONGEST_CELL} characters")
+                    if name in TEXT_FACTORS:
+                        columns[name].append(self.name(name, text))
+                    else:
+                        columns[name].append(self.number(name, text, scales[name], units_of_columns[name], bare))
+                except ValueError as error:
+                    raise InputError(f"{where}: {name}: {error}") from None
             lines.append(line)
-        yield self.made(header, columns, texts, lines, bare)
+        yield self.made(columns, lines, bare)
 
-    def made(
-        self, header: list[str], columns: _Numbers, texts: _Texts, lines: "array[int]", bare: Collection[str]
-    ) -> Table:
+    def made(self, columns: Mapping[str, Any], lines: "array[int]", bare: Collection[str]) -> Table:
         """The table of some rows."""
-        arrays: dict[str, NDArray[Any]] = {name: np.frombuffer(values) for name, values in columns.items()}
-        arrays |= {name: np.array(cells, dtype=object) for name, cells in texts.items()}
-        return Table(
-            str(self.sheet.path),
-            {name: arrays[name] for name in header},
-            np.frombuffer(lines, dtype=np.int64),
-            frozenset(bare),
-        )
+        arrays = {
+            name: np.array(cells, dtype=object if name in TEXT_FACTORS else float) for name, cells in columns.items()
+        }
+        return Table(str(self.sheet.path), arrays, np.array(lines), frozenset(bare))
 
     def header(self, row: list[str], rows: Iterator[tuple[int, list[str]]]) -> dict[str, str | None]:
         """Names of the columns, and the unit that the header says of each."""
@@ -255,67 +245,52 @@ class _Reader:
 
     def scale(self, name: str, unit: str) -> float:
         """The factor that takes numbers of a column to SI units."""
-        path = self.sheet.path
-        try:
+        with located(f"{self.sheet.path}: column {name!r}"):
             parsed = units.parse(unit)
-        except ValueError as error:
-            raise InputError(f"{path}: column {name!r}: {error}") from None
-        if not parsed.fits(units.parse(self.units_of(name))):
-            said = f"{unit!r} does not measure what {self.units_of(name)!r} measures"
-            raise InputError(f"{path}: column {name!r}: unit mismatch: {said}")
+            if not parsed.fits(units.parse(self.units_of(name))):
+                raise ValueError(f"unit mismatch: {unit!r} does not measure what {self.units_of(name)!r} measures")
         return parsed.scale
 
-    def number(self, where: str, name: str, text: str, scale: float, unit: str | None, bare: set[str]) -> float:
-        """A cell of numbers in SI units; NaN where it is empty."""
+    def number(self, name: str, text: str, scale: float, unit: str | None, bare: set[str]) -> float:
+        """A cell of numbers in SI units, NaN where it is empty; ValueError for any other text."""
         if not text:
             return np.nan
-        if scale == 1 and (plain := quick_number(text)) is not None:
-            if unit is None and plain:
-                bare.add(name)
-                try:
-                    check_bare(name, plain)
-                except UnitlessError as error:
-                    raise InputError(f"{where}: {name}: {error}") from None
-            return plain
-        allowed = f"a finite number [{self.measured[name]}]" if name in self.measured else FACTORS[name].allowed
-        if reason := refused(text):
-            raise InputError(f"{where}: {name}: {reason}")
-        try:
+        value = quick_number(text) if scale == 1 else None
+        if value is None:
+            if reason := refused(text):
+                raise ValueError(reason)
             text = with_point(text, self.sheet.separator)
-        except ValueError as error:
-            raise InputError(f"{where}: {name}: {error}") from None
-        try:
-            value = number(text)
-            if unit is None and value:
-                bare.add(name)
-                check_bare(name, value)
-            value = value if scale == 1 else units.scaled(units.plain(text), scale)
-        except UnitlessError as error:
-            raise InputError(f"{where}: {name}: {error}") from None
-        except ValueError:
-            value = self.with_unit(where, name, text, allowed)
-        if not np.isfinite(value):
-            raise InputError(f"{where}: {name}: {value:g} is not {allowed}")
+            if not is_number(text):
+                return self.with_unit(name, text)
+            value = number(text) if scale == 1 else units.scaled(units.plain(text), scale)
+            if not np.isfinite(value):
+                raise ValueError(f"{value:g} is not {self.allowed(name)}")
+        if unit is None and value:
+            bare.add(name)
+            check_bare(name, value)
         return value
 
-    def with_unit(self, where: str, name: str, text: str, allowed: str) -> float:
+    def with_unit(self, name: str, text: str) -> float:
         """A cell that has its own unit, whatever the column's."""
         try:
             return units.in_si(text, self.units_of(name))
         except ValueError as error:
-            wrong = str(error) if "mismatch" in str(error) else f"{text!r} is not {allowed}"
-            raise InputError(f"{where}: {name}: {wrong}") from None
+            mismatch = "mismatch" in str(error)
+            raise ValueError(str(error) if mismatch else f"{text!r} is not {self.allowed(name)}") from None
 
-    def name(self, where: str, name: str, text: str) -> str | None:
+    def allowed(self, name: str) -> str:
+        """Numbers of a column in words."""
+        return f"a finite number [{self.measured[name]}]" if name in self.measured else FACTORS[name].allowed
+
+    def name(self, name: str, text: str) -> str | None:
         """A cell of names; None where it is empty."""
         if not text:
             return None
         if text not in (allowed := CHOICES.get(name, (text,))) or (name in MATERIALS and missing(text)):
-            reason = "stands for a missing value; leave the cell empty"
-            if not missing(text):
-                reason = f"is not one of {', '.join(allowed)}"
-            raise InputError(f"{where}: {name}: {text!r} {reason}")
-        return text
+            if missing(text):
+                raise ValueError(f"{text!r} stands for a missing value; leave the cell empty")
+            raise ValueError(f"{text!r} is not one of {', '.join(allowed)}")
+        return sys.intern(text)  # stored once, however often it occurs
 
     def hint(self, row: list[str]) -> str:
         """Probable cause of a row of other length than the header's."""

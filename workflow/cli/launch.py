@@ -23,36 +23,34 @@ SNAKEFILE = Path(__file__).parents[1] / "Snakefile"
 
 def run(options: argparse.Namespace) -> int:
     """Check a study and run it, as the options say; its results go below the current folder."""
-    return launch(options.study, options.cores, options.profile, dry=options.dry_run)
-
-
-def launch(text: str, cores: str, profile: str, *, dry: bool) -> int:
-    """Check a study and run it; its results go below the current folder."""
     _require_programs()
-    _check_folder(Path.cwd())
-    name = location.given(text)
+    if "\\" in str(Path.cwd()):  # the netCDF library takes it for a Windows path, and finds no such folder
+        raise InputError(
+            f"{Path.cwd()}: a backslash in the path: no netCDF file can be written here; use another folder"
+        )
+    name = location.given(options.study)
     study = studies.named(name)
     for line in study.defaults:
         say(line)
     _check_results(name)
-    if study.verification:
-        _check_verifiable(name)
-    folder = _profile(profile)
-    options = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder)]
-    configuration.check_profiles(options)
+    if study.verification and not find_spec("mpmath"):
+        raise InputError(f"study: {name!r} needs mpmath of requirements/dev.txt; `make run` installs it")
+    folder = _profile(options.profile)
+    arguments = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder)]
+    configuration.check_profiles(arguments)
     if location.by_path(name):
-        options += ["--config", f"study={location.address(name)}"]
-    if profile == "default":
-        options += ["--cores", cores]
-    if study.open and not dry:
-        _choose_levels(name, options)
+        arguments += ["--config", f"study={location.address(name)}"]
+    if options.profile == "default":
+        arguments += ["--cores", options.cores]
+    if study.open and not options.dry_run:
+        _choose_levels(name, arguments)
     report, *others = [f"results/{name}/{file}" for file in study.final_files]
-    if dry:
+    if options.dry_run:
         with progress.followed(study, sys.stdout):
-            return _snakemake([*options, "--dry-run", "--quiet", "host", "reason", "--", report, *others])
+            return _snakemake([*arguments, "--dry-run", "--quiet", "host", "reason", "--", report, *others])
     unreached.leave([name])  # the table says it
     with progress.followed(study):
-        status = _snakemake([*options, "--quiet", "host", "reason", "--", report, *others])
+        status = _snakemake([*arguments, "--quiet", "host", "reason", "--", report, *others])
     if status == 0:
         if bucket := _bucket(folder):  # no result is in a folder of this machine
             print(f"report: {bucket}/{report}")
@@ -73,12 +71,6 @@ def _bucket(profile: Path) -> str:
     return str(entries.get("default-storage-prefix", "")).rstrip("/")
 
 
-def _check_folder(folder: Path) -> None:
-    """The netCDF library takes a backslash for a Windows path, and finds no such folder."""
-    if "\\" in str(folder):
-        raise InputError(f"{folder}: a backslash in the path: no netCDF file can be written here; use another folder")
-
-
 def _check_results(name: str) -> None:
     """Refuse a file where the folders of results and logs would go."""
     for folder in (Path(kind, *tail) for kind in ("results", "logs") for tail in ((), (name,))):
@@ -97,12 +89,6 @@ def _check_origin(study: Study, provenance: Path) -> None:
         )
 
 
-def _check_verifiable(name: str) -> None:
-    """The independent methods need more than a run does."""
-    if not find_spec("mpmath"):
-        raise InputError(f"study: {name!r} needs mpmath of requirements/dev.txt; `make run` installs it")
-
-
 def _profile(name: str) -> Path:
     """The folder of a profile: of the current folder before the program's own."""
     profiles = {file.parent.name: file.parent for file in SNAKEFILE.parent.glob("profiles/*/config.yaml")}
@@ -112,17 +98,9 @@ def _profile(name: str) -> Path:
     return profiles[name]
 
 
-def _there(name: str) -> bool:
-    """Return whether a package is installed."""
-    try:
-        return find_spec(name) is not None
-    except ValueError:  # it was put out of reach in this process
-        return False
-
-
 def _require_programs() -> None:
     """Refuse a run without the packages that only runs need."""
-    missing = [name for name in ("snakemake", "matplotlib") if not _there(name)]
+    missing = [name for name in ("snakemake", "matplotlib") if not find_spec(name)]
     if missing:
         raise InputError(
             f"run: {' and '.join(missing)} not installed; pip install 'meecontact[run]' installs what runs need"

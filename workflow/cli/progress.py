@@ -3,7 +3,7 @@
 import logging
 import shutil
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr
 from typing import Any, TextIO, cast
 
@@ -61,9 +61,9 @@ def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
 class Progress(logging.Filter):
     """Prints one counting line on a terminal, or a line a job in a log, in place of Snakemake's; errors pass."""
 
-    def __init__(self, words: Callable[[str, Mapping[str, str]], str], stream: TextIO) -> None:
+    def __init__(self, study: Study, stream: TextIO) -> None:
         super().__init__()
-        self._words, self._stream = words, stream
+        self._study, self._stream = study, stream
         self._terminal = stream.isatty()
         self._running: dict[int, str] = {}
         self._done, self._total = 0, 0
@@ -90,7 +90,7 @@ class Progress(logging.Filter):
             self._stream.flush()
 
     def _begin(self, record: logging.LogRecord) -> None:
-        words = self._words(str(record.__dict__["rule_name"]), dict(record.__dict__.get("wildcards") or {}))
+        words = step(self._study, str(record.__dict__["rule_name"]), dict(record.__dict__.get("wildcards") or {}))
         self._running[int(record.__dict__["jobid"])] = words
         if not self._terminal:
             self._stream.write(f"{words}\n")
@@ -103,20 +103,6 @@ class Progress(logging.Filter):
         line = f"{share}{', '.join(self._running.values())}"
         self._stream.write(_CLEAR + line[: shutil.get_terminal_size().columns - 1])
         self._stream.flush()
-
-
-class _Installed(logging.Filter):
-    """Puts a filter on the handler that writes to the terminal, which Snakemake makes when its run begins."""
-
-    def __init__(self, shown: Progress) -> None:
-        super().__init__()
-        self._shown = shown
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        for handler in logging.getLogger("snakemake.logging").handlers:
-            if handler.name == "DefaultStreamHandler" and self._shown not in handler.filters:
-                handler.addFilter(self._shown)
-        return True
 
 
 class _Unprofiled:
@@ -141,8 +127,15 @@ class _Unprofiled:
 @contextmanager
 def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
     """Tell what Snakemake's run in this process does, by what the steps of a study do."""
-    shown = Progress(lambda rule, wildcards: step(study, rule, wildcards), stream or sys.stderr)
-    logger, installed = logging.getLogger("snakemake.logging"), _Installed(shown)
+    shown, logger = Progress(study, stream or sys.stderr), logging.getLogger("snakemake.logging")
+
+    def installed(record: logging.LogRecord) -> bool:
+        """Filter also the handler that writes to the terminal, which Snakemake makes when its run begins."""
+        for handler in logger.handlers:
+            if handler.name == "DefaultStreamHandler" and shown not in handler.filters:
+                handler.addFilter(shown)
+        return True
+
     logger.addFilter(installed)
     try:
         with redirect_stderr(cast(TextIO, _Unprofiled(sys.stderr))):

@@ -1,16 +1,12 @@
 """``meecontact query``: predictions of a surrogate, printed or as a table, with exact answers on request."""
 
 import argparse
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from math import floor, isfinite, log10
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 import surrogate
 from solver.units import prefixed
@@ -18,15 +14,15 @@ from storage.files import output, writing
 from surrogate import GaussianProcess, OutOfBoxError
 from surrogate.data.points import outside
 from surrogate.intervals.distribution import NOMINAL
-from workflow.cli.casetable import Table, read_cases
-from workflow.cli.words import place, say, trained
+from workflow.cli.casetable import Table, one_case, read_cases
+from workflow.cli.textfile import write_columns
+from workflow.cli.words import say, trained
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, located, one_line
 
 if TYPE_CHECKING:
     from workflow.study.model import Study
 
-_ROWS = 4096  # of an answer that are written at a time
 #: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
 _DIGITS, _WRITTEN_FEWEST, _WRITTEN_MOST = 10, 4, 15
 
@@ -39,14 +35,9 @@ def query(options: argparse.Namespace) -> None:
     if options.table is not None and options.output is None:
         raise InputError("query: a table needs -o OUT.csv")
     if options.output is not None:
-        inputs = [path for path in (options.surrogate, options.table) if path is not None]
-        options.output = output(options.output, *inputs)
-    if options.at is not None:
-        units = {name: axis.units for name, axis in model.box.items()}
-        values = {name: np.array([value]) for name, value in place(options.at, units).items()}
-        table = Table("--at", values, np.empty(0, dtype=np.int64))
-    else:
-        table = read_cases(options.table)
+        options.output = output(options.output, options.surrogate, *filter(None, [options.table]))
+    inputs = {name: axis.units for name, axis in model.box.items()}
+    table = read_cases(options.table) if options.at is None else one_case("--at", options.at, inputs)
     level = _level(model, options.level)
     answer = _predicted(model, table, level, extrapolate=options.extrapolate)
     if not model.calibrated:
@@ -56,7 +47,9 @@ def query(options: argparse.Namespace) -> None:
     if options.output is None:
         _print_answer(answer, list(model.outputs_), level, si=options.si)
     else:
-        _write_answer(options.output, table.columns, answer)
+        flags = answer.assign({name: flag.astype(int) for name, flag in answer.items() if flag.dtype == bool})
+        with writing(options.output) as file:
+            write_columns(file, table.columns | {str(name): array.values for name, array in flags.items()})
         say(f"wrote {options.output}: {answer.sizes['point']} points, {len(model.outputs_)} outputs")
 
 
@@ -130,19 +123,6 @@ def _exact(exact: xr.DataArray, *, si: bool) -> str:
     value, units = float(exact.values[0]), str(exact.attrs.get("units", ""))
     scale, text = (1.0, units) if si else prefixed(abs(value), units)
     return f"{value / scale:.10g} {text}".rstrip()
-
-
-def _write_answer(path: Path, points: Mapping[str, NDArray[Any]], answer: xr.Dataset) -> None:
-    columns = {**points, **{str(name): answer[name].values for name in answer.data_vars}}
-    with writing(path) as file:
-        header = io.StringIO()
-        csv.writer(header, lineterminator="\n").writerow(columns)
-        file.write(header.getvalue().encode())
-        for begin in range(0, answer.sizes["point"], _ROWS):
-            block = [values[begin : begin + _ROWS] for values in columns.values()]
-            plain = [column.astype(int if column.dtype == bool else float).tolist() for column in block]
-            lines = (",".join(map(repr, row)) + "\n" for row in zip(*plain, strict=True))  # every digit of a float
-            file.write("".join(lines).encode())
 
 
 def predicted(

@@ -2,7 +2,7 @@
 
 import argparse
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ from workflow.study import location
 from workflow.study import model as studies
 from workflow.study.categories import output
 from workflow.study.consistency import check_target, check_values
-from workflow.study.keys import Origin
+from workflow.study.contents import Origin
 from workflow.study.model import Study
 from workflow.study.reading import InputError, first_problem, located
 from workflow.study.target import Target
@@ -84,20 +84,12 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
     content: dict[str, Any] = {
         "maximise": list(words.get("maximise") or []),
         "minimise": list(words.get("minimise") or []),
-        "over": {name: _variable(name, text) for name, text in named("--over", words.get("over")).items()},
-        "at": {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()},
-        "worst_case": {
-            name: _interval(f"--worst-case: {name}", name, text)
-            for name, text in named("--worst-case", words.get("worst_case")).items()
-        },
-        "uncertain": {
-            name: _distribution(name, text) for name, text in named("--uncertain", words.get("uncertain")).items()
-        },
         "tolerance": named("--tolerance", words.get("tolerance")),
         "subject_to": list(words.get("limit") or []),
     }
-    robust = words.get("robust")
-    if robust:
+    for key, read in (("over", _variable), ("at", _value), ("worst_case", _interval), ("uncertain", _distribution)):
+        content[key] = _read(key, words, read)
+    if robust := words.get("robust"):
         content["robust"] = robust[0]
     said = {*content["over"], *content["at"], *content["worst_case"], *content["uncertain"]}
     for name, axis in study.factors.items():
@@ -108,10 +100,15 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         if name not in said and _usual(study, name):
             content["at"][name] = _usual(study, name)
     try:
-        read = Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).meets(study.meeting)
+        return Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).meets(study.meeting)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, content)}") from None
-    return read
+
+
+def _read(key: str, words: Mapping[str, Sequence[str] | None], read: Callable[[str, str, str], Any]) -> dict[str, Any]:
+    """Return what an option says of each name, read by place, name and text."""
+    option = f"--{key.replace('_', '-')}"
+    return {name: read(f"{option}: {name}", name, text) for name, text in named(option, words.get(key)).items()}
 
 
 def _usual(study: Study, name: str) -> str:
@@ -124,10 +121,8 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
     """Answer a question from the results of a study."""
     study, model = results(folder)
     question = target(study, words)
-    try:
-        check_target(study, "design", question)
-    except ValueError as error:
-        raise InputError(str(error)) from None
+    with located("design"):
+        check_target(study, question)
     answer = targets.answer(study, "question", question, model)
     if not answer.feasible:
         point = [f"{name} = {kind}" for name, kind in answer.combination.items()]
@@ -141,30 +136,24 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     study, model = results(folder)
     words = renamed(dict(words), study.outputs)
     measured = named("--measured", words.get("measured"))
-    values, errors = [], []
-    for name, text in measured.items():
-        value, error = _measured(name, text)
-        values.append(value)
-        errors.append(error)
-        if not SMALLEST_ERROR <= errors[-1] <= LARGEST_ERROR:
-            raise InputError(
-                f"--measured: {name}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}"
-            )
+    readings = np.array([_measured(f"--measured: {name}", name, text) for name, text in measured.items()])
+    values, errors = readings.reshape(-1, 2).T
     infer = list(named("--infer", words.get("infer")))
     point: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
-    point |= {name: _value(f"--at: {name}", name, text) for name, text in named("--at", words.get("at")).items()}
+    point |= _read("at", words, _value)
     with located("invert"):
         for name, point_value in point.items():
-            check_values(study, "--at", name, [point_value])
+            with located("--at"):
+                check_values(study, name, [point_value])
         combination = {name: str(point.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in point.items()}
         outputs = [_learned(study, name, combination) for name in measured]
         inversion = Inversion(model.only(outputs) if study.kind.tabled else model, infer, outputs, held)
-    estimate = inversion.estimate(np.array(values), np.array(errors))
+    estimate = inversion.estimate(values, errors)
     if estimate.misfit > _IMPOSSIBLE + len(measured):
         raise InputError(
             f"invert: no case within the study's ranges gives these measurements (misfit {estimate.misfit:.3g})"
-            f"{_remedy(inversion, list(measured), np.array(values), np.array(errors))}"
+            f"{_remedy(inversion, list(measured), values, errors)}"
         )
     rows = zip(infer, estimate.mean, estimate.low, estimate.high, strict=True)
     return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
@@ -203,9 +192,8 @@ def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str
     return f"{axis.name:16s} {query.shown(mean, low, high, units, si=si)}"
 
 
-def _measured(name: str, text: str) -> tuple[float, float]:
+def _measured(where: str, name: str, text: str) -> tuple[float, float]:
     """A measured value and one standard deviation of it, in SI; the latter may be a share of the value, as 1%."""
-    where = f"--measured: {name}"
     value, sign, std = text.replace("±", "+-").replace("+/-", "+-").partition("+-")
     if not sign:
         raise InputError(f"{where}: {text!r} is not of the form VALUE+-STD")
@@ -219,7 +207,10 @@ def _measured(name: str, text: str) -> tuple[float, float]:
         absolute, share = size(name, std)
     if not np.isfinite(mean):
         raise InputError(f"{where}: {text!r} needs finite numbers")
-    return mean, absolute + share * abs(mean)
+    error = absolute + share * abs(mean)
+    if not SMALLEST_ERROR <= error <= LARGEST_ERROR:
+        raise InputError(f"{where}: {text!r}: an error must be within {SMALLEST_ERROR:g} to {LARGEST_ERROR:g}")
+    return mean, error
 
 
 def _units(name: str) -> str:
@@ -228,13 +219,12 @@ def _units(name: str) -> str:
     return known.units if known else "1"
 
 
-def _variable(name: str, text: str) -> dict[str, Any]:
+def _variable(where: str, name: str, text: str) -> dict[str, Any]:
     if not text:
         return {}
     if ":" in text:
-        low, high = _interval(f"--over: {name}", name, text)
-        return {"low": low, "high": high}
-    return {"choices": [_value(f"--over: {name}", name, choice) for choice in text.split("|")]}
+        return dict(zip(("low", "high"), _interval(where, name, text), strict=True))
+    return {"choices": [_value(where, name, choice) for choice in text.split("|")]}
 
 
 def _value(where: str, name: str, text: str) -> float | str:
@@ -249,9 +239,8 @@ def _interval(where: str, name: str, text: str) -> list[float]:
     return [quantity(where, end, _units(name)) for end in ends]
 
 
-def _distribution(name: str, text: str) -> dict[str, list[float]]:
+def _distribution(where: str, name: str, text: str) -> dict[str, list[float]]:
     family, bracket, arguments = text.partition("(")
     if not bracket or not arguments.endswith(")"):
-        raise InputError(f"--uncertain: {name}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
-    units = _units(name)
-    return {family.strip(): [quantity(f"--uncertain: {name}", share, units) for share in arguments[:-1].split(",")]}
+        raise InputError(f"{where}: {text!r} is not of the form normal(MEAN,STD) or another distribution")
+    return {family.strip(): [quantity(where, share, _units(name)) for share in arguments[:-1].split(",")]}

@@ -1,6 +1,7 @@
 """``meecontact signal``: a history of forces to what an amplifier reads, as a table, and its figures in words."""
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,11 @@ from solver.face.materials import material_of
 from solver.heat.charge import HeatError
 from storage.files import output, writing
 from workflow.cli.casetable import one_case, read_cases
+from workflow.cli.textfile import write_columns
 from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
-from workflow.device.signal import DROP, GONE, Figures, History, Signal, read
-from workflow.device.warmth import Warmth
+from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
@@ -29,7 +30,6 @@ from workflow.study.reading import InputError, first_problem, located, number, r
 from workflow.study.sections import Amplifier, Device
 
 _MOST_WRITTEN = 1_000_000  # rows of a table of the signal
-_WRITTEN_TOGETHER = 2**16  # rows
 _MOST_PARTS = 1000
 _MOST_TIMES = 10_000_000
 _ROUGH = 1e-6  # of curves that are told to be rough
@@ -45,7 +45,8 @@ def signal(options: argparse.Namespace) -> None:
     path = output(options.output, options.history, *options.materials)
     if not 1 <= options.parts <= _MOST_PARTS:
         raise InputError(f"--parts: {options.parts} is not a whole number from 1 to {_MOST_PARTS}")
-    temperature = _positive("--temperature", options.temperature)
+    if not 0 < (temperature := options.temperature) < np.inf:
+        raise InputError(f"--temperature: {temperature:g} is not a finite number > 0")
     materials = dict(read_material(path) for path in options.materials)
     case = _case(options.on)
     kind = kind_of([*case], case.get("profile", "cylinder"))
@@ -59,7 +60,7 @@ def signal(options: argparse.Namespace) -> None:
     if bare:
         _check_unit(options.history, most, solve({**case, kind.loads.force: most / length}, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
-    contact = ContactCurves.from_case(case, most, length=length, materials=materials, body=body)
+    contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
         circuit = Circuit.of(numbers, material)
     if contact.roughness > _ROUGH:
@@ -152,16 +153,6 @@ def _heat_figures(
     return lines
 
 
-def _positive(where: str, text: str) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        value = np.nan
-    if not 0 < value < np.inf:
-        raise InputError(f"{where}: {text!r} is not a finite number > 0")
-    return value
-
-
 def _case(text: str) -> dict[str, Any]:
     """The factors of one case, from a table or from the option itself."""
     table = one_case("--on", text) if "=" in text else read_cases(Path(text))
@@ -204,18 +195,13 @@ def _check_unit(path: Path, most: float, solved: xr.Dataset) -> None:
 
 def _write(path: Path, history: History, reading: Signal, heat: Array | None = None) -> int:
     """Write a signal as a table, thinned to the extremes of groups of rows where it is long; number of its rows."""
-    columns = [history.times, history.forces, reading.charge, reading.voltage, reading.output]
-    heads = "time [s],force [N],charge [C],voltage [V],output [V]"
+    columns = {"time [s]": history.times, "force [N]": history.forces, "charge [C]": reading.charge}
+    columns |= {"voltage [V]": reading.voltage, "output [V]": reading.output}
     if heat is not None and history.temperatures is not None:
-        columns += [history.temperatures, heat]
-        heads += ",temperature [K],heat charge [C]"
+        columns |= {"temperature [K]": history.temperatures, "heat charge [C]": heat}
     rows = _drawn_rows(reading.voltage, history.forces)
     with writing(path) as file:
-        file.write(f"{heads}\n".encode())
-        for first in range(0, len(rows), _WRITTEN_TOGETHER):
-            block = rows[first : first + _WRITTEN_TOGETHER]
-            lines = (",".join(map(repr, row)) for row in np.stack([column[block] for column in columns], 1).tolist())
-            file.write(("\n".join(lines) + "\n").encode())
+        write_columns(file, {heading: values[rows] for heading, values in columns.items()})
     return len(rows)
 
 

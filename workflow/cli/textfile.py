@@ -2,19 +2,24 @@
 
 import csv
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 from math import isfinite
 from pathlib import Path
-from typing import TextIO
+from typing import Any, BinaryIO, TextIO
 
-from solver import units
+import pandas as pd
+from numpy.typing import NDArray
+
 from storage.files import regular
+from workflow.language.grammar import measures
+from workflow.language.wordings import plain
 from workflow.study.reading import InputError, number
 
 LONGEST_CELL = 200  # characters of a cell; a name or a number has a tenth of that
 _LONGEST_ROW = 1 << 16  # characters
+_WRITTEN_TOGETHER = 1 << 14  # rows
 _HEAD = 1 << 16  # bytes from which encoding and separator are seen
 _SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
 _FORMATS = {
@@ -201,11 +206,7 @@ def _named(text: str, known: Collection[str]) -> str | None:
 
 def is_unit(text: str) -> bool:
     """Return whether a text is a unit, or one in brackets."""
-    try:
-        units.parse(text.strip().strip("[]()"))
-    except ValueError:
-        return False
-    return bool(text.strip()) and not is_number(text)
+    return bool(text.strip()) and not is_number(text) and measures(text.strip().strip("[]()"))
 
 
 def quick_number(text: str) -> float | None:
@@ -247,3 +248,11 @@ def refused(text: str) -> str | None:
     if _ERROR.search(text):
         return f"{text!r} has an error behind it; write the value alone, and its error in a column of its own"
     return None
+
+
+def write_columns(file: BinaryIO, columns: Mapping[str, NDArray[Any]], *, headed: bool = True) -> None:
+    """Write columns by their headings as CSV: every digit of a number, nothing for NaN and None."""
+    frame = pd.DataFrame(columns)
+    for begin in range(0, len(frame), _WRITTEN_TOGETHER):
+        block = frame.iloc[begin : begin + _WRITTEN_TOGETHER].astype(object).map(plain)
+        block.to_csv(file, header=headed and not begin, index=False, lineterminator="\n")

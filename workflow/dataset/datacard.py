@@ -9,8 +9,8 @@ import netCDF4
 import numpy as np
 
 from storage.blocks import STATISTICS
+from storage.described import unscaled
 from storage.netcdf import MAX_BYTES
-from storage.rootunits import unscaled
 from storage.sealed import check_seal
 from workflow.dataset import similar
 from workflow.dataset.batches import PLACE

@@ -23,6 +23,9 @@ _COUNT = 21  # Chebyshev points in the logarithm of the force: smooth curves are
 _CONSTANT = 1e-6  # power below which a capacitance does not depend on the force, as that of a flat punch
 _SPAN = 1e4  # largest force over the smallest one that is solved
 
+#: Solves cases: `solver.solve`, or a study's own solver with its body and materials.
+Solver = Callable[[Mapping[str, Any]], xr.Dataset]
+
 
 @dataclass(frozen=True, eq=False)
 class ContactCurves:
@@ -50,13 +53,12 @@ class ContactCurves:
         largest_force: float,
         *,
         length: float = 1.0,
-        materials: Mapping[str, Material] | None = None,
-        solved: Callable[[dict[str, Any]], xr.Dataset] | None = None,
+        solved: Solver = solve,
         body: Stack | None = None,
     ) -> Self:
         """Curves of a case from the exact solver."""
         forces = largest_force * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
-        charge, capacitance = response(case, forces, length=length, materials=materials, solved=solved, body=body)
+        charge, capacitance = response(case, forces, length=length, solved=solved, body=body)
         plates = float(capacitance[0]) if body is not None and "collector" in case else None
         log = np.log(capacitance) if plates is None else 0 * charge
         air = plates is None and (case.get("surroundings") or around(case)) == AIR
@@ -114,17 +116,12 @@ def response(
     forces: Array,
     *,
     length: float = 1.0,
-    materials: Mapping[str, Material] | None = None,
-    solved: Callable[[dict[str, Any]], xr.Dataset] | None = None,
+    solved: Solver = solve,
     body: Stack | None = None,
 ) -> tuple[Array, Array]:
-    """Charge per force at zero volts [C/N] and capacitance [F] of a case at some forces; (force,) each.
-
-    forces: (force,).
-    """
+    """Charge per force at zero volts [C/N] and capacitance [F] of a case at forces (force,); (force,) each."""
     kind = _readable(case, body)
-    pressed = {**case, kind.loads.force: forces / length}
-    answer = solved(pressed) if solved else solve(pressed, materials=materials or {})
+    answer = solved({**case, kind.loads.force: forces / length})
     if body is not None and "collector" in case:
         charge = np.broadcast_to(answer["patch_charge_per_force"].values, forces.shape)
         size = float(case["patch_size"])

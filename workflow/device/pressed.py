@@ -1,6 +1,7 @@
 """A press in time on a contact of a study: pressed, held and let go, as its amplifier reads it."""
 
 from collections.abc import Mapping
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -16,8 +17,7 @@ from solver.names import BODY, FACTORS, OF_HEAT
 from solver.stack.electrodes import Electrode
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
-from workflow.device.signal import DROP, Figures, History, read
-from workflow.device.warmth import Warmth
+from workflow.device.signal import DROP, Figures, History, Warmth, read
 from workflow.language.constants import DEVICE
 from workflow.study import layered
 from workflow.study.model import Study
@@ -41,14 +41,8 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     assert study.device is not None
     numbers = study.device.constants | {name: float(case[name]) for name in DEVICE if name in case}
     factors, body, material = _pressed(study, pressing, case)
-    contact = ContactCurves.from_case(
-        factors,
-        pressing.force,
-        length=length(study),
-        materials=study.own_materials,
-        solved=lambda cases: study.solved(solve, cases),
-        body=body,
-    )
+    solved = partial(study.solved, solve)
+    contact = ContactCurves.from_case(factors, pressing.force, length=length(study), solved=solved, body=body)
     circuit = Circuit.of(numbers, material)
     times, figures = history(pressing, case), Figures.of_contact(contact, circuit, numbers["temperature"])
     warm, lacking = _warmth(study, pressing, case, times, {**factors, **({BODY: body} if study.body else {})})
@@ -60,9 +54,6 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         ("charge", reading.charge, "C", "charge of the contact"),
         ("voltage", reading.voltage, "V", "voltage that the contact is read at"),
         ("output", reading.output, "V", "output of the amplifier"),
-    ):
-        out[name] = ("time", values, {"units": units, "long_name": said})
-    for name, value, units, said in (
         ("contact_charge", figures.charge, "C", "charge at zero volts, at the force that is held"),
         ("contact_output", figures.output, "V", "output that this charge gives at once, without heat and bias current"),
         ("capacitance", figures.capacitance, "F", "capacitance of the contact at the force that is held"),
@@ -72,7 +63,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         ("noise_output", figures.noise[1], "V", "noise at the output, root mean square"),
         ("noise_force", figures.noise[2], "N", "noise as a force, root mean square"),
     ):
-        out[name] = ((), value, {"units": units, "long_name": said})
+        out[name] = ("time" if np.ndim(values) else (), values, {"units": units, "long_name": said})
     if warm is not None and times.temperatures is not None:
         out["temperature"] = ("time", times.temperatures, {"units": "K", "long_name": "temperature of what touches"})
         out["heat"] = ("time", heat, {"units": "C", "long_name": "charge that its heat has made"})

@@ -6,6 +6,7 @@ be.
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from solver import names
 from solver.described import Factor
@@ -22,16 +23,7 @@ class _Factors(Mapping[str, Factor]):
     def __getitem__(self, name: str) -> Factor:
         if (kind := own_kind(name)) is None:
             return names.FACTORS[name]
-        described = names.FACTORS[kind]
-        return Factor(
-            described.units,
-            name.replace("_", " "),
-            None,
-            described.low,
-            described.low_allowed,
-            described.high,
-            described.high_allowed,
-        )
+        return replace(names.FACTORS[kind], long_name=name.replace("_", " "), default=None, optional=False)
 
     def __iter__(self) -> Iterator[str]:
         return iter(names.FACTORS)

@@ -14,8 +14,7 @@ from surrogate.gp.gridgp import GridGP
 from surrogate.transforms.curves.basis import Curves, Largest
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
-from surrogate.transforms.groups import Grouping
-from surrogate.transforms.outputs import Scaling
+from surrogate.transforms.groups import Grouping, Scaling
 from workflow.dataset import factorial, similar
 from workflow.study import categories
 from workflow.study.categories import output

@@ -185,23 +185,23 @@ def dataset(rows: Sequence[Row]) -> xr.Dataset:
     scale = np.array([UNITS[row["unit"]] for row in rows])
     first = [row["model"][0] if row["model"] else {} for row in rows]
     numbers = {
-        "measured": scale * _numbers(row["value"] for row in rows),
-        "measured_std": scale * _numbers(row["error"] for row in rows),
-        "model": scale * _numbers(row.get("value") for row in first),
-        "model_std": scale * _numbers(row.get("deviation") for row in first),
-        "deviations": _numbers(row.get("off") for row in first),
+        "measured": scale * _column(rows, "value"),
+        "measured_std": scale * _column(rows, "error"),
+        "model": scale * _column(first, "value"),
+        "model_std": scale * _column(first, "deviation"),
+        "deviations": _column(first, "off"),
+        "verdict": _column(rows, "verdict", object),
     }
     table = xr.Dataset(
-        {name: ("row", values) for name, values in numbers.items()}
-        | {"verdict": ("row", np.array([row["verdict"] for row in rows], dtype=object))},
-        {"row": np.array([row["name"] for row in rows], dtype=object),
-         "unit": ("row", np.array([_SI[row["unit"]] for row in rows], dtype=object))},
-    )  # fmt: skip
+        {name: ("row", values) for name, values in numbers.items()},
+        {"row": _column(rows, "name", object), "unit": ("row", np.array([_SI[row["unit"]] for row in rows], object))},
+    )
     return described(table, "Published measurements beside the model", _SOURCE, _MEANINGS)
 
 
-def _numbers(values: Any) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+def _column(rows: Sequence[Row], key: str, kind: type = float) -> np.ndarray[Any, Any]:
+    """One entry of every row; of numbers NaN where there is none."""
+    return np.array([row.get(key) for row in rows], dtype=kind)
 
 
 _SI = {"pC/N": "C N-1", "pm/V": "m V-1", "1": "1"}

@@ -183,18 +183,11 @@ def _edges(device: Device) -> Array:
 
 def _loads(device: Device) -> list[str]:
     """Load and direction of sliding, beside the whole punch."""
-    middle = sum(_WHOLE) / 2
-    pressed = [
-        _line(middle, 4, middle, 38, BAD, 1.6, tip=True),
-        _text(middle + 8, 16, device.pressed, BAD, "start"),
-    ]
-    if not device.slides:
-        return pressed
-    return [
-        *pressed,
-        _line(_WHOLE[0] + 56, 28, _WHOLE[0] + 4, 28, BAD, 1.6, tip=True),
-        _text(_WHOLE[0] + 4, 18, "slides", BAD, "start"),
-    ]
+    left, middle = _WHOLE[0] + 4, sum(_WHOLE) / 2
+    parts = [_line(middle, 4, middle, 38, BAD, 1.6, tip=True), _text(middle + 8, 16, device.pressed, BAD, "start")]
+    if device.slides:
+        parts += [_line(left + 52, 28, left, 28, BAD, 1.6, tip=True), _text(left, 18, "slides", BAD, "start")]
+    return parts
 
 
 def _dimensions(device: Device) -> tuple[list[str], list[str]]:

@@ -1,7 +1,7 @@
-"""First screen of the page: for each target a drawing to scale and the answer in sentences; cards of presses."""
+"""First screen of the page: for each target a drawing to scale and the answer in sentences."""
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +12,18 @@ from solver import find
 from solver.material.punches import RIGID_PUNCH
 from solver.names import AIR, ANGLED_CUTS, CHOICES, COMPOSITES, FORMULAS, MIXTURES, PROFILES
 from solver.stack.layers import RIGID
-from workflow.design.verdict.answer import Answer
+from workflow.design.verdict.answer import Answer, Term
 from workflow.design.verdict.leftout import LeftOut
-from workflow.design.verdict.term import Term
-from workflow.design.wording import asides
-from workflow.design.wording.words import UNREACHABLE, Verdict, verdict
+from workflow.design.wording.words import (
+    UNREACHABLE,
+    band,
+    exceeded,
+    first_to_break,
+    in_brackets,
+    spread,
+    tolerances,
+    verdict,
+)
 from workflow.language import titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number
@@ -30,6 +37,18 @@ from workflow.study.target import Target
 _AROUND = {AIR: "in air", "insulated": "insulated around"}
 #: Radius that the section of a punch in space shows.
 _SECTION = {"ellipsoid": "radius_x", "roller": "radius", "rough_sphere": "radius"}
+_PUNCHES = {
+    "flat": "flat punch {width} wide",
+    "wedge": "wedge of slope {slope}",
+    "half_cylinder": "half cylinder, R = {radius}",
+    "sphere": "ball, R = {radius}",
+    "cone": "cone of slope {slope}",
+    "disc": "flat disc {width} wide",
+    "power": "punch of profile {coefficient} r^{exponent}",
+    "ellipsoid": "ellipsoid, R = {radius_x} and {radius_y}",
+    "roller": "roller, R = {radius}, {length} long",
+    "rough_sphere": "rough ball, R = {radius}, {roughness} rms",
+}
 _LITTLE = 1e-5  # share that is told as less than that
 #: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
@@ -37,64 +56,62 @@ Case = Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
-class Screen:
-    """Card of one target: three lines, and the sentences behind its "why"."""
+class Card:
+    """Card of a target: three lines, and the sentences behind its "why"."""
 
     name: str  # key of the target
     title: str
     code: str  # goal and limits as the study writes them
     build: str  # body and punch with their tolerances
     does: str  # every goal with its spread and conditions
+    stops: str  # binding limits
     doubt: str  # constants that the library marks as doubtful; empty without any
     beyond: str  # exceeded limits of materials and theory; empty without any
-    stops: str  # binding limits
     breaks: str  # limit with the least room; empty without limits
     why: tuple[str, ...]  # further sentences
-    verdict: Verdict
+    verdict: str
     left_out: tuple[LeftOut, ...]  # effects that the model leaves out, the largest first
     drawing: Markup  # to scale
+    page: str  # name of another study, on whose page this design stands; empty: on this page
 
     @property
     def reachable(self) -> bool:
         """Return whether some design satisfies every limit."""
-        return self.verdict.kind != UNREACHABLE
+        return self.verdict != UNREACHABLE
 
 
 def answered(
-    study: Study,
-    name: str,
-    target: Target,
-    answer: Answer,
-    contact: Mapping[str, float],
-    around: Mapping[str, Any],
-    on_datum: Sequence[Mapping[str, Any]] = (),
-) -> Screen:
-    """Return the card of one target."""
+    study: Study, name: str, target: Target, answer: Answer, solved: Mapping[str, Any], page: str = ""
+) -> Card:
+    """Return the card of one target; solved: its exact cases, as `workflow.report.exact` has them."""
     narrowed, judged = study.narrowed(answer.combination), verdict(answer)
     case: Case = {**study.fixed, **answer.combination, **answer.case}
     built = in_words(narrowed, case)
-    moving = {str(row["name"]) for row in on_datum if row["moves"]}
+    moving = {str(row["name"]) for row in solved["on_datum"] if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
-           asides.spread(answer), exact.told(around), judged.sources)  # fmt: skip
-    title = study.titles[name]
-    return Screen(
-        name=name,
-        title=title,
-        code=answer.goal,
-        build=unbroken(built + asides.within(answer)),
+           spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
+    return Card(
+        title=study.titles[name],
+        build=unbroken(built + in_brackets(answer)),
         does=unbroken(_good(target, answer, moving, reference)),
-        doubt=doubted(narrowed),
-        beyond=unbroken(asides.exceeded(answer)),
         stops=unbroken(capital(judged.stops)),
-        breaks=unbroken(asides.first_to_break(answer)),
-        why=tuple(unbroken(reason) for reason in why if reason),
-        verdict=judged,
+        doubt=doubted(narrowed),
+        page=page,
+        verdict=judged.kind,
         left_out=answer.left_out,
-        drawing=element(
-            device.draw(of_case(study, case, contact), built), f"device-{name}", f"{title}, drawn to scale: {built}"
-        ),
+        drawing=_drawing(of_case(study, case, solved["contact"]), name, study.titles[name], built),
+        name=name,
+        code=answer.goal,
+        beyond=unbroken(exceeded(answer)),
+        breaks=unbroken(first_to_break(answer)),
+        why=tuple(unbroken(reason) for reason in why if reason),
     )
+
+
+def _drawing(drawn: device.Device, name: str, title: str, built: str) -> Markup:
+    """The drawing of a card as an element of the page."""
+    return element(device.draw(drawn, built), f"device-{name}", f"{title}, drawn to scale: {built}")
 
 
 def doubted(study: Study) -> str:
@@ -189,45 +206,17 @@ def _base(case: Case) -> str:
 
 
 def punch_in_words(case: Case) -> str:
-    """The punch, as ``R = 50 mm``, or of a point ``steel ball, R = 3 mm``."""
-    profile = str(case.get("profile", CHOICES["profile"][0]))
-    if PROFILES[profile].contact == "point":
-        return _round(profile, case)
-    if profile == "flat":
-        return f"flat punch {titles.value('width', float(case['width']), 3)} wide"
-    if profile == "wedge":
-        return f"wedge of slope {number(float(case['slope']), 3)}"
-    radius = f"R = {titles.value('radius', float(case['radius']), 3)}"
-    return f"half cylinder, {radius}" if profile == "half_cylinder" else radius
-
-
-def _in_space(profile: str, case: Case) -> str:
-    """The punch of a contact in space, without what it is made of."""
-    sizes = {name: titles.value(name, float(case[name]), 3) for name in PROFILES[profile].takes if name in case}
-    if profile == "ellipsoid":
-        return f"ellipsoid, R = {sizes['radius_x']} and {sizes['radius_y']}"
-    if profile == "roller":
-        crown = f", crown of {sizes['crown_radius']}" if "crown_radius" in sizes else ""
-        return f"roller, R = {sizes['radius']}, {sizes['length']} long{crown}"
-    return f"rough ball, R = {sizes['radius']}, {sizes['roughness']} rms"
-
-
-def _round(profile: str, case: Case) -> str:
-    """The punch of a point contact, with what it is made of where that deforms."""
-    material = str(case.get("punch", RIGID_PUNCH))
+    """The punch, as ``R = 50 mm``, or of a point with what it is made of, as ``steel ball, R = 3 mm``."""
+    profile, material = str(case.get("profile", CHOICES["profile"][0])), str(case.get("punch", RIGID_PUNCH))
+    outline = PROFILES[profile]
+    sizes = {name: titles.value(name, float(case[name]), 3) for name in outline.takes if name in case}
+    crown = f", crown of {sizes['crown_radius']}" if "crown_radius" in sizes else ""
+    words = _PUNCHES.get(profile, "R = {radius}").format(**sizes) + crown
+    if outline.contact == "line" or material == RIGID_PUNCH:
+        return words
     if material == "skin" and profile == "sphere":
-        return f"fingertip, R = {titles.value('radius', float(case['radius']), 3)}"
-    material = "" if material == RIGID_PUNCH else f"{material.replace('_', ' ')} "
-    size, slope = PROFILES[profile].needs[-1], number(float(case.get("slope", 0.0)), 3)
-    if profile in _SECTION:
-        return material + _in_space(profile, case)
-    words = {
-        "sphere": "ball, R = {}",
-        "cone": f"cone of slope {slope}",
-        "disc": "flat disc {} wide",
-        "power": "punch of profile {} r^" + number(float(case.get("exponent", 1.0)), 3),
-    }
-    return material + words[profile].format(titles.value(size, float(case[size]), 3))
+        return f"fingertip, R = {sizes['radius']}"
+    return f"{material.replace('_', ' ')} {words}"
 
 
 def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:
@@ -246,7 +235,7 @@ def _good(target: Target, answer: Answer, moving: Collection[str], reference: fl
 
 def _with_band(goal: Term) -> str:
     """Exact value of a goal with its spread by uncertain constants, without line breaks."""
-    return f"{goal.shown(goal.exact)}{asides.band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{goal.shown(goal.exact)}{band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
@@ -257,7 +246,7 @@ def _over(target: Target) -> str:
 
 def cost(answer: Answer) -> str:
     """Cost of the tolerances, and of a 1 % error in every other variable that matters."""
-    parts = asides.tolerances(answer)
+    parts = tolerances(answer)
     for variable in answer.variables:
         error = variable.sensitivity
         if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:

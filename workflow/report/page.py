@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from surrogate import load
 from workflow.dataset import draws
 from workflow.dataset.slabs import CARD
 from workflow.design.verdict import leftout, netcdf
-from workflow.design.verdict.answer import Answer
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, listed, title, value
@@ -26,7 +25,6 @@ from workflow.report.svg import element, inlined
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
 from workflow.study.model import Study
-from workflow.study.target import Target
 
 #: Factors that take a name, in words.
 _MEANINGS = {
@@ -53,6 +51,10 @@ _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
     "judging.js", "explore.js", "share.js", "whatif.js", "effects.js",
 )  # fmt: skip
+#: Content that not every page has.
+_OF_SOME = (
+    "answers", "dataset", "datum_changes", "designs", "levels", "readouts", "signal", "surface", "whatif",
+)  # fmt: skip
 #: Captions of the figures, by the kind that their file names open with; Snakemake's own report shows the same ones.
 CAPTIONS = Path(__file__).parent / "captions"
 TEMPLATES = Path(__file__).parent / "templates"
@@ -74,14 +76,14 @@ def page(
     pressed: Study | None = None,
 ) -> str:
     """The page as text; ``pressed``: the study whose design is pressed in time, where it is another one."""
-    card = json.loads((folder / CARD).read_text(encoding="utf-8")) if study.factors else {}
+    card = _json(folder / CARD) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
-    content: dict[str, Any] = {
+    content: dict[str, Any] = dict.fromkeys(_OF_SOME, ()) | {
         "study": study,
         "name": name,
         "problem": _problem(study),
         "figures": {path.stem: _figure(path) for path in figures},
-        "provenance": json.loads(provenance.read_text(encoding="utf-8")),
+        "provenance": _json(provenance),
         "factors": FACTORS,
         "quantities": ALL_QUANTITIES,
         "meanings": _MEANINGS,
@@ -92,27 +94,14 @@ def page(
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
-        "datum_changes": [],
         "composites": _composites(study),
-        "dataset": None,
-        "levels": None,
-        "surface": None,
-        "validation": None,
-        "timing": None,
-        "times": [],
-        "designs": [],
-        "answers": [],
-        "whatif": None,
-        "readouts": [],
-        "signal": None,
         "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
+        "varied": bool(study.factors or study.effects),
         "effects": list(study.effects.vary) if study.effects else [],
         "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
         "effects_table": tables.effects(study, folder) if study.effects else [],
-        "spans": None,
-        "sobol": [],
         "verification": tables.verification(folder) if study.verification else None,
-        "measurements": tables.measurements(folder) if study.measurements else [],
+        "measurements": _json(folder / "measured/measurements.json") if study.measurements else [],
     }
     if study.factors:
         names = coupling.told(study)
@@ -122,13 +111,17 @@ def page(
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))
         content["distributed"] = listed([title(name) for name in study.distributions])
         content["validation"] = tables.validation(folder, study)
-        content["timing"] = times = json.loads((folder / "timing.json").read_text(encoding="utf-8"))
+        content["timing"] = times = _json(folder / "timing.json")
         content["times"] = [row for row in by_quantity(study, times) if row["name"] in names]
-        answers, solved = _answers(folder, study.design)
+        answers = [netcdf.read(folder / "design" / f"{target}.nc") for target in study.design]
+        solved = _json(folder / "solved.json")
         exact = [solved["designs"][target] for target in study.design]
         content["datum_changes"] = solved["datum"]
-        content["designs"] = [tables.design(answer) | solution for answer, solution in zip(answers, exact, strict=True)]
-        content["answers"] = _screens(study, study.design, answers, exact)
+        content["designs"] = [{"answer": answer, **solution} for answer, solution in zip(answers, exact, strict=True)]
+        content["answers"] = [
+            firstscreen.answered(study, *target, answer, solution)
+            for target, answer, solution in zip(study.design.items(), answers, exact, strict=True)
+        ]
         content["readouts"] = [tables.readout(name, folder / "readout" / f"{name}.nc") for name in study.readout]
         quantities = read_whole(folder / "quantities.nc")
         fields = load(folder / "surface.nc") if study.surrogate.fields else None
@@ -137,16 +130,21 @@ def page(
     if study.signal:
         content["signal"] = tables.signal(folder)
         if pressed is not None:
-            label = study.signal.design
-            answers, solved = _answers(folder.parent / study.signal.study, [label])
-            first = _screens(pressed, {label: pressed.design[label]}, answers, [solved["designs"][label]])
-            content["answers"] = [*first, *content["answers"]]
+            label, page = study.signal.design, study.signal.study
+            answer = netcdf.read(folder.parent / page / "design" / f"{label}.nc")
+            solution = _json(folder.parent / page / "solved.json")["designs"][label]
+            first = firstscreen.answered(pressed, label, pressed.design[label], answer, solution, page)
+            content["answers"] = [first, *content["answers"]]
     if study.effects:
         drawn = ranked.draw(ranked.spans(content["effects_table"]))
         content["spans"] = element(drawn, "spans", "what each factor changes, the strongest first", 1.6)
     content["says"] = _says(study, folder, content, pressed or study)
     content |= {"parts": sections.standing(content), "page": content}
     return _environment().get_template("report.html.j2").render(content)
+
+
+def _json(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 @cache
@@ -163,7 +161,7 @@ def _environment() -> Environment:
     environment.filters |= {
         "number": number,
         "seconds": _seconds,
-        "words": _words,
+        "words": lambda name: name.replace("_", " "),
         "title": title,
         "capital": capital,
         "share": _share,
@@ -174,22 +172,6 @@ def _environment() -> Environment:
         "counted": counted,
     }
     return environment
-
-
-def _answers(folder: Path, targets: Iterable[str]) -> tuple[list[Answer], dict[str, Any]]:
-    """Answers to targets of the study of a folder, and what was solved of them."""
-    solved = json.loads((folder / "solved.json").read_text(encoding="utf-8"))
-    return [netcdf.read(folder / "design" / f"{target}.nc") for target in targets], solved
-
-
-def _screens(
-    study: Study, targets: Mapping[str, Target], answers: Sequence[Answer], exact: Sequence[Mapping[str, Any]]
-) -> list[firstscreen.Screen]:
-    """Cards of a study's targets."""
-    return [
-        firstscreen.answered(study, *target, answer, solution["contact"], solution["around"], solution["on_datum"])
-        for target, answer, solution in zip(targets.items(), answers, exact, strict=True)
-    ]
 
 
 def _says(study: Study, folder: Path, content: Mapping[str, Any], pressed: Study) -> dict[str, str]:
@@ -215,7 +197,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any], pressed: Study
         says["signal"] = sentences.signal(content["signal"], on)
     if study.effects:
         says["effects"] = sentences.strongest(ranked.spans(content["effects_table"]))
-        says["varied"] = sentences.effects(study)
+        says["varied"] = sentences.effects(content["effects_table"])
     if content["verification"]:
         says["speed"] = sentences.speed(content["verification"]["timings"])
     if content["measurements"]:
@@ -278,8 +260,3 @@ def _seconds(value: float) -> str:
 def _share(part: float, digits: int) -> str:
     """A share of a whole in percent; what is next to none is none."""
     return f"{number(100 * part, digits) if abs(part) >= _LEAST else 0} %"
-
-
-def _words(name: str) -> str:
-    """A name of the interface as words."""
-    return name.replace("_", " ")

@@ -4,7 +4,7 @@ What a section shows is its piece of template, named in full: a job depends on t
 Page and rules loop over this registry.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from string import Formatter
 from typing import Any
@@ -61,7 +61,7 @@ class Section:
 
     template: str  # File of its piece, in ``templates/``
     title: str  # In the contents
-    stands: Callable[[Page], object]  # Whether a page with some content has it
+    needs: str  # Name in the page's content without which the page does not have it
     figures: tuple[Figure, ...] = ()  # Those that it shows; those of designs are in folders
     links: Callable[[Page], list[tuple[str, str]]] | None = None  # Anchors and titles, where it has others than its own
 
@@ -88,7 +88,7 @@ class Part:
 def standing(page: Page) -> list[Part]:
     """The parts of a page with the sections that stand on it; none without any."""
     parts = [
-        replace(part, sections=tuple(section for section in part.sections if section.stands(page))) for part in PARTS
+        replace(part, sections=tuple(section for section in part.sections if page[section.needs])) for part in PARTS
     ]
     return [part for part in parts if part.sections]
 
@@ -111,173 +111,132 @@ def _figures() -> list[tuple[Section, Figure]]:
 
 
 def effects(study: Study) -> list[str]:
-    """Files of the fields of one factor at a time, under ``fields/`` and without their ending."""
-    return [
-        name.format(**wildcards)
-        for name, wildcards_of in ((_EFFECT, _varied), (_INTERIOR, _inside), (_MAP, _mapped), (_SPREAD, _repeated))
-        for wildcards in wildcards_of(study)
-    ]
+    """Files of the fields of one factor at a time, below the study's folder."""
+    return [figure.reads.format(**wildcards) for figure in _EFFECTS for wildcards in figure.wildcards_of(study)]
 
 
-def _readouts(study: Study) -> Wildcards:
-    return [{"name": name} for name in study.readout]
+def _once(stands: object) -> Wildcards:
+    return [{}] if stands else []
 
 
-def _signal(study: Study) -> Wildcards:
-    return [{}] if study.signal else []
+def _each(name: str, values: Iterable[str]) -> Wildcards:
+    return [{name: value} for value in values]
 
 
 def _factorial(study: Study) -> Wildcards:
-    return [{}] if study.factors else []
+    return _once(study.factors)
 
 
-def _slabs(study: Study) -> Wildcards:
-    return [{}] if study.factors and study.stores_fields else []
+def _varied(study: Study, *, also: object = True) -> Wildcards:
+    return _each("name", study.effects.vary) if study.effects and also else []
 
 
-def _varied(study: Study) -> Wildcards:
-    return [{"name": name} for name in study.effects.vary] if study.effects else []
-
-
-def _inside(study: Study) -> Wildcards:
-    return _varied(study) if study.effects and study.effects.interior else []
-
-
-def _mapped(study: Study) -> Wildcards:
-    return _varied(study) if study.kind.space else []
-
-
-def _repeated(study: Study) -> Wildcards:
-    return _varied(study) if study.effects and study.effects.realisations > 1 else []
-
-
-def _cut(study: Study) -> Wildcards:
-    return [{}] if "cut_angle" in study.factors else []
-
-
-def _measured(study: Study) -> Wildcards:
-    return [{}] if study.measurements else []
-
-
-def _converging(study: Study) -> Wildcards:
-    return [{"group": group} for group in CONVERGING if study.verification]
-
-
-_EFFECT, _INTERIOR = "fields/effect_{name}", "fields/interior_{name}"
-_MAP, _SPREAD = "fields/map_{name}", "fields/spread_{name}"
+_QUANTITIES, _FELT = ("quantities",), ("felt",)
 _SENSITIVITY, _VALIDATION = "sensitivity.nc", "validation.nc"
-_ROWS, _CHECKS = "measured/measurements.json", "verification/{group}.json"
-_QUANTITIES, _INTEREST = ("quantities",), ("quantities", "of_interest")
+_READOUT = Figure(
+    "readout_{name}",
+    "readout/{name}.nc",
+    "measured_rows.readout",
+    "read-out",
+    lambda study: _each("name", study.readout),
+)
+_SIGNAL = Figure("signal", "signal.nc", "signal_in_time.figure", "signal in time", lambda study: _once(study.signal))
+_WHAT_MATTERS = (
+    Figure("sensitivity", _SENSITIVITY, "sobol.indices", "Sobol' indices", _factorial, ("quantities", "aims")),
+    Figure(
+        "main_effects", _SENSITIVITY, "sobol.main_effects", "main effects", _factorial, ("quantities", "of_interest")
+    ),
+)
+_DATA = (
+    Figure(
+        "cut",
+        "quantities.nc",
+        "contact_maps.polar",
+        "charge over the cut",
+        lambda study: _once("cut_angle" in study.factors),
+    ),
+    Figure(
+        "fields",
+        "fields/slab_{slab}.nc",
+        "field_panels.fields",
+        "surface fields",
+        lambda study: _once(study.factors and study.stores_fields),
+        _FELT,
+    ),
+)
+_EFFECTS = (
+    Figure("effect_{name}", "fields/effect_{name}.nc", "field_panels.effect", "surface fields", _varied, _FELT),
+    Figure(
+        "interior_{name}",
+        "fields/interior_{name}.nc",
+        "field_panels.interior",
+        "below the punch",
+        lambda study: _varied(study, also=study.effects and study.effects.interior),
+    ),
+    Figure(
+        "map_{name}",
+        "fields/map_{name}.nc",
+        "contact_maps.maps",
+        "maps of the contact",
+        lambda study: _varied(study, also=study.kind.space),
+    ),
+    Figure(
+        "spread_{name}",
+        "fields/spread_{name}.nc",
+        "contact_maps.spread",
+        "random surfaces",
+        lambda study: _varied(study, also=study.effects and study.effects.realisations > 1),
+    ),
+)
+_MEASURED = Figure(
+    "measurements",
+    "measured/measurements.json",
+    "measured_rows.figure",
+    "measured and modelled",
+    lambda study: _once(study.measurements),
+)
+_CONVERGENCE = Figure(
+    "convergence_{group}",
+    "verification/{group}.json",
+    "convergence.figure",
+    "convergence",
+    lambda study: _each("group", CONVERGING if study.verification else ()),
+)
+_ERRORS = (
+    Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _QUANTITIES),
+    Figure("decay", _VALIDATION, "surrogate_errors.coefficients", "decay of the coefficients", _factorial, _QUANTITIES),
+    Figure("residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _QUANTITIES),
+    Figure("intervals", _VALIDATION, "surrogate_errors.coverage", "intervals", _factorial, _QUANTITIES),
+)
 
+
+def _groups(page: Page) -> list[tuple[str, str]]:
+    return [(key, group["title"]) for key, group in page["verification"]["groups"].items()]
+
+
+_ANSWER = (
+    Section("whatif.html.j2", "What if", "whatif"),
+    Section("design.html.j2", "Designs", "designs"),
+    Section("readout.html.j2", "Read-out", "readouts", (_READOUT,)),
+    Section("signal.html.j2", "Signal", "signal", (_SIGNAL,)),
+)
+_PHYSICS = (
+    Section("study.html.j2", "Study", "varied"),
+    Section("sensitivity.html.j2", "What matters", "dataset", _WHAT_MATTERS),
+    Section("dataset.html.j2", "Data set", "dataset", _DATA),
+    Section("effects.html.j2", "Effects", "effects", _EFFECTS),
+)
+_EVIDENCE = (
+    Section("measurements.html.j2", "Measurements", "measurements", (_MEASURED,)),
+    Section("verification.html.j2", "Verification", "verification", (_CONVERGENCE,), _groups),
+    Section("speed.html.j2", "Time", "verification"),
+    Section("surrogate.html.j2", "Surrogate", "dataset", _ERRORS),
+    Section("surface.html.j2", "Fields", "surface"),
+    Section("time.html.j2", "Time", "dataset"),
+    Section("provenance.html.j2", "Provenance", "provenance"),
+)
 PARTS = (
-    Part(
-        "answer",
-        (
-            Section("whatif.html.j2", "What if", lambda page: page["whatif"]),
-            Section("design.html.j2", "Designs", lambda page: page["designs"]),
-            Section(
-                "readout.html.j2",
-                "Read-out",
-                lambda page: page["readouts"],
-                (Figure("readout_{name}", "readout/{name}.nc", "measured_rows.readout", "read-out", _readouts),),
-            ),
-            Section(
-                "signal.html.j2",
-                "Signal",
-                lambda page: page["signal"],
-                (Figure("signal", "signal.nc", "signal_in_time.figure", "signal in time", _signal),),
-            ),
-        ),
-    ),
-    Part(
-        "physics",
-        (
-            Section("study.html.j2", "Study", lambda page: page["study"].factors or page["effects"]),
-            Section(
-                "sensitivity.html.j2",
-                "What matters",
-                lambda page: page["dataset"],
-                (
-                    Figure(
-                        "sensitivity",
-                        _SENSITIVITY,
-                        "sobol.indices",
-                        "Sobol' indices",
-                        _factorial,
-                        ("quantities", "aims"),
-                    ),
-                    Figure("main_effects", _SENSITIVITY, "sobol.main_effects", "main effects", _factorial, _INTEREST),
-                ),
-            ),
-            Section(
-                "dataset.html.j2",
-                "Data set",
-                lambda page: page["dataset"],
-                (
-                    Figure("cut", "quantities.nc", "contact_maps.polar", "charge over the cut", _cut),
-                    Figure(
-                        "fields", "fields/slab_{slab}.nc", "field_panels.fields", "surface fields", _slabs, ("felt",)
-                    ),
-                ),
-            ),
-            Section(
-                "effects.html.j2",
-                "Effects",
-                lambda page: page["effects"],
-                (
-                    Figure(
-                        "effect_{name}", f"{_EFFECT}.nc", "field_panels.effect", "surface fields", _varied, ("felt",)
-                    ),
-                    Figure("interior_{name}", f"{_INTERIOR}.nc", "field_panels.interior", "below the punch", _inside),
-                    Figure("map_{name}", f"{_MAP}.nc", "contact_maps.maps", "maps of the contact", _mapped),
-                    Figure("spread_{name}", f"{_SPREAD}.nc", "contact_maps.spread", "random surfaces", _repeated),
-                ),
-            ),
-        ),
-        "Physics",
-    ),
-    Part(
-        "evidence",
-        (
-            Section(
-                "measurements.html.j2",
-                "Measurements",
-                lambda page: page["measurements"],
-                (Figure("measurements", _ROWS, "measured_rows.figure", "measured and modelled", _measured),),
-            ),
-            Section(
-                "verification.html.j2",
-                "Verification",
-                lambda page: page["verification"],
-                (Figure("convergence_{group}", _CHECKS, "convergence.figure", "convergence", _converging),),
-                lambda page: [(key, group["title"]) for key, group in page["verification"]["groups"].items()],
-            ),
-            Section("speed.html.j2", "Time", lambda page: page["verification"]),
-            Section(
-                "surrogate.html.j2",
-                "Surrogate",
-                lambda page: page["dataset"],
-                (
-                    Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _QUANTITIES),
-                    Figure(
-                        "decay",
-                        _VALIDATION,
-                        "surrogate_errors.coefficients",
-                        "decay of the coefficients",
-                        _factorial,
-                        _QUANTITIES,
-                    ),
-                    Figure(
-                        "residuals", _VALIDATION, "surrogate_errors.residuals", "residuals", _factorial, _QUANTITIES
-                    ),
-                    Figure("intervals", _VALIDATION, "surrogate_errors.coverage", "intervals", _factorial, _QUANTITIES),
-                ),
-            ),
-            Section("surface.html.j2", "Fields", lambda page: page["surface"]),
-            Section("time.html.j2", "Time", lambda page: page["dataset"]),
-            Section("provenance.html.j2", "Provenance", lambda _: True),
-        ),
-        "Evidence",
-        "open a line for its proof",
-    ),
+    Part("answer", _ANSWER),
+    Part("physics", _PHYSICS, "Physics"),
+    Part("evidence", _EVIDENCE, "Evidence", "open a line for its proof"),
 )

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from solver.names import ALL_QUANTITIES
-from workflow.design.wording.words import UNREACHABLE, Verdict, unread
+from workflow.design.wording.words import UNREACHABLE, unread
 from workflow.device.signal import DROP, GONE
 from workflow.language import titles
 from workflow.language.numbers import counted, number, shown
@@ -21,9 +21,9 @@ _MOST_NAMED = 3  # categories that a sentence names
 _LITTLE = 1e-4  # share of a charge that is reported as less than that
 
 
-def reached(verdicts: Mapping[str, Verdict]) -> str:
-    """Sentence on which targets are reachable."""
-    missed = [title for title, verdict in verdicts.items() if verdict.kind == UNREACHABLE]
+def reached(verdicts: Mapping[str, str]) -> str:
+    """Sentence on which targets are reachable, by title."""
+    missed = [title for title, verdict in verdicts.items() if verdict == UNREACHABLE]
     if not missed:
         several = "Both" if len(verdicts) == 2 else f"All {len(verdicts)}"
         return f"{'The target is' if len(verdicts) == 1 else f'{several} targets are'} reachable."
@@ -158,14 +158,9 @@ def speed(timings: Sequence[Row]) -> str:
     return f"The closed form is {number(min(ratios), 2)} to {number(max(ratios), 2)} times faster than collocation."
 
 
-def effects(study: Study) -> str:
+def effects(rows: Sequence[Row]) -> str:
     """Values of the factors that were varied one at a time."""
-    assert study.effects is not None
-    spans = []
-    for name, values in study.effects.vary.items():
-        said = [value.replace("_", " ") if isinstance(value, str) else titles.value(name, value) for value in values]
-        named = isinstance(values[0], str)
-        spans.append(f"{titles.title(name)} {', '.join(said) if named else f'{said[0]} to {said[-1]}'}")
+    spans = [f"{titles.title(row['name'])} {row['over']}" for row in rows]
     return f"Factors are varied one at a time: {'; '.join(spans)}."
 
 

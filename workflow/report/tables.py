@@ -1,6 +1,5 @@
 """Tables of the page, from the files of a run."""
 
-import json
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,6 @@ from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate.use.validation import ideal
 from workflow.dataset import factorial
-from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.report import sentences
 from workflow.report.verification import findings
@@ -30,12 +28,6 @@ CHANGED: dict[Contact, tuple[str, ...]] = {
 }
 _JUDGED = ("coverage", "worst_decile_coverage", "worst_corner_coverage", "pit_distance", "crps")
 _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
-
-
-def measurements(folder: Path) -> list[sentences.Row]:
-    """Published measurements and what the model says to them, as :mod:`workflow.measured` wrote them."""
-    rows: list[sentences.Row] = json.loads((folder / "measured" / "measurements.json").read_text(encoding="utf-8"))
-    return rows
 
 
 def verification(folder: Path) -> dict[str, Any]:
@@ -109,11 +101,6 @@ def levels(path: Path) -> dict[str, Any]:
     return {"rows": rows, "predicted": float(errors.max()), **data.attrs}
 
 
-def _ideal(data: xr.Dataset, study: Study) -> dict[str, Any]:
-    box = {input_.name: input_ for input_ in factorial.inputs(study)}
-    return ideal(box, {name: data[name] for name in box}, data.sizes["output"])
-
-
 def validation(folder: Path, study: Study) -> dict[str, Any]:
     """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there."""
     data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
@@ -142,11 +129,12 @@ def validation(folder: Path, study: Study) -> dict[str, Any]:
         for level in data["level"].values
     ]
     before = max(row["raw_max_error"] for row in rows)
+    box = {input_.name: input_ for input_ in factorial.inputs(study)}
     return {
         "kinked": kinked,
         "rows": rows,
         "levels": levels,
-        "ideal": _ideal(data, study),
+        "ideal": ideal(box, {name: data[name] for name in box}, data.sizes["output"]),
         "tolerance": tolerance,
         "logarithms": str(data.attrs.get("logarithms", "")).split("; ") if "logarithms" in data.attrs else [],
         "worst": worst,
@@ -162,10 +150,7 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
     rows = []
     for factor, values in study.effects.vary.items():
         data = read_whole(folder / "fields" / f"effect_{factor}.nc")
-        named = isinstance(values[0], str)
-        said = [
-            value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value, 3) for value in values
-        ]
+        said = [value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value) for value in values]
         changed = CHANGED[study.kind.contact]
         known = [name for name in changed if name in data and factor in data[name].dims]  # not every punch has all
         selected = {name: data[name].isel({factor: slice(len(values))}) for name in known}
@@ -174,7 +159,7 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
             for name, values in selected.items()
             if values.notnull().all()
         }
-        over = ", ".join(said) if named else f"{said[0]} to {said[-1]}"
+        over = ", ".join(said) if isinstance(values[0], str) else f"{said[0]} to {said[-1]}"
         rows.append({"name": factor, "over": over, "spans": spans})
     return rows
 
@@ -201,12 +186,3 @@ def signal(folder: Path) -> dict[str, float]:
     data = read_whole(folder / "signal.nc")
     numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
     return numbers | {"force": float(data["force"].max())}
-
-
-def design(answer: Answer) -> dict[str, Any]:
-    """The card of a design."""
-    return {
-        "answer": answer,
-        "several": len(answer.objectives) > 1,
-        "compromise": "objective" in answer.pictures.dims,
-    }

@@ -10,18 +10,18 @@ from itertools import count
 from workflow.dataset import batches, casecache
 from workflow.design.wording import unreached
 from workflow.report import sections as page_sections
-from workflow.run import lock, provenance, sources
+from workflow.run import lock, provenance
 from workflow.run.interpreter import quote_interpreter
 from workflow.study import configuration, consistency, coupling, location, partition, planned
 from workflow.study import model as studies
-from workflow.study.keys import BOX, PHYSICS
+from workflow.study.contents import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
 
 quote_interpreter()
 # jobs look for modules where this process does
 sys.path.insert(0, str(provenance.ROOT))
 
-SOURCES = sources.digests()  # as they are planned with: a job that finds others refuses
+SOURCES = provenance.digests()  # as they are planned with: a job that finds others refuses
 STUDIES = set()  # those that this run needs
 SECTIONS = set()  # names of sections in the rules' parameters
 DESIGNED = set()  # those whose designs it needs
@@ -144,7 +144,7 @@ def results_of(wildcards):
     names += ["design.nc", "design.csv"] if study.design else []
     names += [f"readout/{name}.nc" for name in study.readout]
     names += ["signal.nc"] if study.signal else []
-    names += [f"{name}.nc" for name in page_sections.effects(study)]
+    names += page_sections.effects(study)
     names += ["sweeps.nc"] if study.effects and study.effects.of_baseline else []
     names += [f"verification/{group}.json" for group in CHECK_GROUPS if study.verification]
     names += ["measured/measurements.json", "measured/measurements.nc"] if study.measurements else []

@@ -1,18 +1,24 @@
 # The parametric study: exact fields along the surface and below the punch while one factor varies.
 
 
-rule effect:
-    output:
-        "results/{study}/fields/effect_{name}.nc",
-    params:
-        study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/effect.py"),
-    log:
-        "logs/{study}/effect/{name}.log",
-    benchmark:
-        "logs/{study}/effect/{name}.tsv"
-    script:
-        "../scripts/effect.py"
+# rule and files' name, and the function that solves them
+for varied, solving in {"effect": "effect", "map": "maps", "spread": "spread", "interior": "interior"}.items():
+
+    rule:
+        name:
+            varied
+        output:
+            f"results/{{study}}/fields/{varied}_{{name}}.nc",
+        params:
+            study=sections("phases", "materials", "effects"),
+            solve=solving,
+            code=provenance.code("workflow/scripts/effect.py"),
+        log:
+            f"logs/{{study}}/{varied}/{{name}}.log",
+        benchmark:
+            f"logs/{{study}}/{varied}/{{name}}.tsv"
+        script:
+            "../scripts/effect.py"
 
 
 rule sweeps:
@@ -30,45 +36,3 @@ rule sweeps:
     localrule: True
     script:
         "../scripts/sweeps.py"
-
-
-rule map:
-    output:
-        "results/{study}/fields/map_{name}.nc",
-    params:
-        study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/map.py"),
-    log:
-        "logs/{study}/map/{name}.log",
-    benchmark:
-        "logs/{study}/map/{name}.tsv"
-    script:
-        "../scripts/map.py"
-
-
-rule spread:
-    output:
-        "results/{study}/fields/spread_{name}.nc",
-    params:
-        study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/spread.py"),
-    log:
-        "logs/{study}/spread/{name}.log",
-    benchmark:
-        "logs/{study}/spread/{name}.tsv"
-    script:
-        "../scripts/spread.py"
-
-
-rule interior:
-    output:
-        "results/{study}/fields/interior_{name}.nc",
-    params:
-        study=sections("phases", "materials", "effects"),
-        code=provenance.code("workflow/scripts/interior.py"),
-    log:
-        "logs/{study}/interior/{name}.log",
-    benchmark:
-        "logs/{study}/interior/{name}.tsv"
-    script:
-        "../scripts/interior.py"

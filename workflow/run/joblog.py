@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from solver import SmallStrainWarning
 from storage import netcdf
 from storage.sealed import FormatError
-from workflow.run import lock, sources
+from workflow.run import lock, provenance
 
 if TYPE_CHECKING:
     from snakemake.iocontainers import Snakemake
@@ -24,7 +24,7 @@ def start(script: Mapping[str, Any]) -> "Snakemake":
     warnings.simplefilter("ignore", SmallStrainWarning)  # a verdict says it of designs
     job: Snakemake = script["snakemake"]
     _log_to(job.log[0])
-    sources.check(lock.sources(Path(job.output[0])), script["__file__"])
+    provenance.check(lock.sources(Path(job.output[0])), script["__file__"])
     bind(job)
     return job
 

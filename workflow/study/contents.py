@@ -1,14 +1,16 @@
-"""The content of a study and everything derived from it: cases, quantities, outputs, materials and hashes."""
+"""Keys of a study's file, and everything derived from them: cases, quantities, outputs, materials and hashes."""
 
+import hashlib
+import json
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import xarray as xr
-from pydantic import PrivateAttr
+from pydantic import Field, PrivateAttr
 
 from solver import Material
 from solver.body import Kind, around, kind_of, solids
@@ -21,13 +23,78 @@ from workflow.language.factors import FACTORS
 from workflow.study import grouped, layered
 from workflow.study.allowable import MADE_OF, Allowable, allowable
 from workflow.study.categories import Combination, combinations, output
-from workflow.study.keys import PHYSICS, Keys, Origin, digest
-from workflow.study.sections import Axis, Device
+from workflow.study.sections import (
+    Axis,
+    DataSet,
+    Device,
+    Effects,
+    Group,
+    Measurement,
+    Pressing,
+    Readout,
+    Surrogate,
+    Validation,
+    Verification,
+)
 from workflow.study.target import Distribution, Target
+from workflow.study.types import BY_FACTOR, Case, CategoryName, FactorName, Strict
+
+#: Sections that decide what a case is and what the solver answers.
+PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
+#: The same without the numbers of levels, for `digest`.
+BOX = "box"
 
 
-class Contents(Keys):
+@dataclass(frozen=True)
+class Origin:
+    """Origin of a study, beside the content of its file."""
+
+    path: Path  # The file
+    materials: dict[str, Material]  # The study's own materials by name
+    # Quantities that some cases lack; None before the solver, which takes seconds for films, was asked for them
+    absent: frozenset[str] | None = None
+    hanging: frozenset[str] = frozenset()  # Quantities that depend on a datum which is in none of the groups
+    in_si: bool = False  # the content comes from a checked study, whose numbers are bare and in SI
+
+
+class Contents(Strict):
     """Everything that a run can be asked for, and what follows from it."""
+
+    title: str = Field(min_length=1, max_length=200, description="headline of the report")
+    description: str = Field("", description="what the study is for")
+    materials: list[str] = Field([], description="files of own materials, relative to the study")
+    phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
+        default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
+    )
+    fixed: Case = Field({}, description="factors with one value")
+    factors: Annotated[dict[FactorName, Axis], BY_FACTOR] = Field({}, description="the axes of the factorial")
+    categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
+        {}, description="factors that take one of a few names; every case is solved for each"
+    )
+    groups: dict[str, Group] = Field(
+        {}, description="axes of the data set, each a product of powers of factors, as load * radius / thickness^2"
+    )
+    body: list[layered.BodyLayer] = Field(
+        [], description="layers from the top down, in place of one material and a film's factors"
+    )
+    dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
+    surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
+    validation: Validation = Field(default_factory=Validation, description="exact cases it never saw")
+    device: Device | None = Field(
+        None,
+        description="what the punch is connected to, for figures of a device; the punch is of steel unless it is "
+        "named, and beside it is air unless fixed or categories name surroundings or air lacks what is asked for",
+    )
+    design: dict[str, Target] = Field({}, description="design targets by name")
+    signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")
+    readout: dict[str, Readout] = Field({}, description="what measurements tell, by name")
+    effects: Effects | None = Field(None, description="one factor at a time, as figures")
+    verification: Verification | None = Field(None, description="checks of the solver against independent methods")
+    measurements: dict[str, Measurement] = Field(
+        {},
+        max_length=100,
+        description="published measurements that the model is held against, by name",
+    )
 
     _origin: Origin = PrivateAttr()
     _absent: frozenset[str] = PrivateAttr(default=frozenset())
@@ -66,13 +133,13 @@ class Contents(Keys):
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
         beside = AIR if AIR in self.surroundings else self.surroundings[0]
         named = {*self.factors, *self.categories, *factors, *([BODY] if self.body else [])}
-        own = [self.own_materials.get(str(name), name) for name in [*solids(factors), *self._named_solids]]
+        varied = [name for factor in ("material", "base") for name in self.categories.get(factor, [])]
+        own = [self.own_materials.get(str(name), name) for name in [*solids(factors), *varied]]
         return kind_of(named, profile, beside, [*own, self.body])
 
-    @property
-    def _named_solids(self) -> list[str]:
-        """Names of materials and bases over which the cases range."""
-        return [name for factor in ("material", "base") for name in self.categories.get(factor, [])]
+    def names(self, factor: str, default: str = "") -> list[str]:
+        """Names that a factor takes in the cases: its category's, or the one that is fixed, or its default."""
+        return self.categories.get(factor) or [str(self.fixed.get(factor, default))]
 
     @property
     def surroundings(self) -> list[str]:
@@ -81,8 +148,7 @@ class Contents(Keys):
             case = {**self.effects.baseline, **self.fixed}
             varied = self.effects.vary.get("surroundings", [case.get("surroundings", around(case))])
             return [str(name) for name in varied]
-        usual = self.fixed.get("surroundings", CHOICES["surroundings"][0])
-        return self.categories.get("surroundings", [str(usual)])
+        return self.names("surroundings", CHOICES["surroundings"][0])
 
     @property
     def distributions(self) -> dict[str, Distribution]:
@@ -116,9 +182,8 @@ class Contents(Keys):
     @property
     def elastic(self) -> bool:
         """Return True if a punch on a line deforms: its displacement then has its own datum."""
-        named = {str(self.fixed.get("punch", RIGID_PUNCH)), *self.categories.get("punch", [])}
         numbers = "punch_modulus" in {*self.fixed, *self.factors}
-        return self.kind.contact == "line" and (numbers or named != {RIGID_PUNCH})
+        return self.kind.contact == "line" and (numbers or self.names("punch", RIGID_PUNCH) != [RIGID_PUNCH])
 
     @property
     def tabled(self) -> list[str]:
@@ -311,7 +376,24 @@ class Contents(Keys):
         A part of a section, as ``validation.seed`` or ``design.sensor``, may stand in its place, and `BOX` in that of
         the physics: all of it but the numbers of levels, which no case depends on that is drawn at random.
         """
-        return digest(self, sections, self._plain_materials())
+        names = {name for section in sections for name in (PHYSICS if section == BOX else (section,))}
+        plain = self.model_dump(mode="json", include={name.partition(".")[0] for name in names})
+        content: dict[str, Any] = {}
+        for name in names:
+            section, _, part = name.partition(".")
+            content[name] = plain[section].get(part) if part else plain[section]
+        if BOX in sections:
+            for axis in (*content["factors"].values(), *content["groups"].values()):
+                del axis["levels"]
+        for name in ("body", "groups"):  # which studies had before there were any
+            if not content.get(name):
+                content.pop(name, None)
+        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
+            content["surrogate"].pop("method")
+        text = json.dumps(content, sort_keys=True)
+        if {"phases", BOX} & set(sections):
+            text += json.dumps(self._plain_materials(), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     @property
     def physics(self) -> str:

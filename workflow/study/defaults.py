@@ -115,7 +115,7 @@ def _asked(study: Contents) -> list[str]:
 
 def _lacking(study: Contents) -> str:
     """Why a study, which is to be in air, cannot be; empty where it can."""
-    profiles = [PROFILES[name] for name in _profiles(study) if name in PROFILES]
+    profiles = [PROFILES[name] for name in study.names("profile", CHOICES["profile"][0]) if name in PROFILES]
     if len({profile.contact for profile in profiles}) != 1:
         return "its punches are of more than one kind"
     factors: dict[str, object] = {**dict.fromkeys(study.factors), **study.fixed}
@@ -125,7 +125,8 @@ def _lacking(study: Contents) -> str:
 
 def _asks_for_more(study: Contents) -> str:
     """Name a quantity of the study that contacts in air do not have; empty where they have all."""
-    has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, _profiles(study)[0], AIR)
+    profile = study.names("profile", CHOICES["profile"][0])[0]
+    has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, profile, AIR)
     try:
         wanted = _asked(study)
         if "positions" in study.dataset.model_fields_set or study.dataset.peaks:
@@ -142,10 +143,6 @@ def _asks_for_more(study: Contents) -> str:
         if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
             return f"{name}, by which a device in air is read, is not one of surrogate.outputs"
     return ""
-
-
-def _profiles(study: Contents) -> list[str]:
-    return study.categories.get("profile") or [str(study.fixed.get("profile", CHOICES["profile"][0]))]
 
 
 def _place(study: Contents, name: str) -> None:

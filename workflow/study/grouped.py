@@ -16,7 +16,7 @@ import scipy  # scipy.linalg, slow to import, and few studies have groups
 from solver.similarity import Weight, weight_of
 from surrogate import Input
 from surrogate.data.inputs import Scale
-from surrogate.transforms.inputs import span
+from surrogate.transforms.groups import span
 from workflow.language.expressions import Expression, Name, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.grammar import parse

@@ -14,8 +14,7 @@ from solver import Material
 from workflow.language.renamed import renamed_study
 from workflow.study import defaults, layered
 from workflow.study.consistency import check_quantities
-from workflow.study.contents import Contents
-from workflow.study.keys import Origin
+from workflow.study.contents import Contents, Origin
 from workflow.study.location import location
 from workflow.study.reading import InputError, first_problem, read_material, read_yaml
 from workflow.study.solvable import (

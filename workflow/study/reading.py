@@ -5,8 +5,7 @@ import unicodedata
 from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Any, get_args
 
 import yaml
 
@@ -215,27 +214,15 @@ def _written(loc: tuple[int | str, ...], content: Any) -> list[str]:
 
 def _keys_at(model: "type[BaseModel]", place: list[str]) -> list[str]:
     """Names of the fields that a model allows at a place in the file, whichever branch of a union it is in."""
-    nodes: list[Any] = [model]
-    for part in place:
-        nodes = [inner for node in nodes for inner in _within(node, part)]
-    return [name for node in nodes if _is_model(node) for name in node.model_fields]
+    models = [model]
+    for part in place:  # the name of a field, or of an entry of a mapping or list
+        fields = [(known, known.model_fields.get(part)) for known in models]
+        models = [inner for known, field in fields for inner in (models_in(field.annotation) if field else [known])]
+    return [name for known in models for name in known.model_fields]
 
 
-def _within(node: Any, part: str) -> list[Any]:
-    """Types that a type may hold under a key or an index."""
-    if _is_model(node):
-        return _branches(node.model_fields[part].annotation) if part in node.model_fields else []
-    return _branches(get_args(node)[-1]) if get_origin(node) in (dict, list) else []
-
-
-def _branches(node: Any) -> list[Any]:
-    """A type without what only annotates it; each one of a union."""
-    if get_origin(node) is Annotated:
-        return _branches(get_args(node)[0])
-    if get_origin(node) in (Union, UnionType):
-        return [branch for arg in get_args(node) for branch in _branches(arg)]
-    return [node]
-
-
-def _is_model(node: object) -> bool:
-    return isinstance(node, type) and hasattr(node, "model_fields")
+def models_in(annotation: Any) -> "list[type[BaseModel]]":
+    """Models that an annotation is, holds as the entries of a mapping or list, or may be."""
+    if isinstance(annotation, type) and hasattr(annotation, "model_fields"):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in models_in(part)]

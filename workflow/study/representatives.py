@@ -9,7 +9,7 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate import Input
-from surrogate.transforms.inputs import middle
+from surrogate.transforms.groups import middle
 from workflow.study import grouped
 from workflow.study.contents import Contents
 

@@ -3,13 +3,15 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import get_args, get_origin
+from typing import get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+from pydantic_core import to_jsonable_python
 
 from storage.files import write_text
 from workflow.study.model import Study
+from workflow.study.reading import models_in
 
 SCHEMA = Path("config/schema/study.schema.json")
 DEFAULT = Path("config/schema/default.yaml")
@@ -38,7 +40,7 @@ def write() -> None:
 def _documented(model: type[BaseModel], indent: str) -> Iterator[str]:
     for name, field in model.model_fields.items():
         yield f"{indent}# {field.description}"
-        inner = _model_within(field.annotation)
+        inner = next(iter(models_in(field.annotation)), None)
         if field.annotation is inner and inner is not None:
             yield f"{indent}{name}:"
             yield from _documented(inner, indent + "  ")
@@ -53,18 +55,9 @@ def _documented(model: type[BaseModel], indent: str) -> Iterator[str]:
 
 
 def _value(field: FieldInfo) -> str:
-    return "(required)" if field.is_required() else json.dumps(_plain(field.get_default(call_default_factory=True)))
-
-
-def _plain(value: object) -> object:
-    return value.model_dump(mode="json") if isinstance(value, BaseModel) else value
-
-
-def _model_within(annotation: object) -> type[BaseModel] | None:
-    """The model that an annotation is, holds as the values of a mapping, or may be."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return annotation
-    return next((inner for part in get_args(annotation) if (inner := _model_within(part)) is not None), None)
+    if field.is_required():
+        return "(required)"
+    return json.dumps(to_jsonable_python(field.get_default(call_default_factory=True)))
 
 
 if __name__ == "__main__":

@@ -23,8 +23,8 @@ _SLOW = 20.0  # seconds of the processor from which on a case is told before the
 
 def check_contact(study: Contents) -> None:
     """Raise ValueError unless all cases have one kind of contact, for which the device is made."""
-    profiles = study.categories.get("profile", [])
-    if study.design and "map" in (study.fixed.get("profile"), *profiles):
+    profiles = study.names("profile")
+    if study.design and "map" in profiles:
         raise ValueError("profile: map: designs draw no height map; must be another profile, or effects")
     if len({PROFILES[name].contact for name in profiles if name in PROFILES}) > 1:
         raise ValueError(f"categories: profile: {', '.join(profiles)}: lines and points need a study each")
@@ -37,7 +37,7 @@ def check_groups(study: Contents) -> None:
     """Raise ValueError unless groups form axes over which cases with equal groups are similar."""
     if not study.groups:
         return
-    if "power" in (study.fixed.get("profile"), *study.categories.get("profile", [])):
+    if "power" in study.names("profile"):
         raise ValueError("groups: profile: power: its coefficient scales by its exponent; must be another profile")
     for name, axis in study.factors.items():
         if axis.levels is not None:
@@ -158,7 +158,7 @@ def lacked(study: Contents) -> frozenset[str]:
     if "heat" in solved.attrs:
         study.tell_default(f"heat: {solved.attrs['heat']}")
     peaks = set(study.kind.peaks)
-    if "rigid" in study.categories.get("base", [study.fixed.get("base")]):
+    if "rigid" in study.names("base"):
         peaks -= {name for name in peaks if name.startswith("base_")}
     if len(study.body) > 1 or "base_volume_fraction" in {*study.factors, *study.fixed}:
         peaks -= {name for name in peaks if name.startswith("film_")}

@@ -181,16 +181,15 @@ def concerned(study: Study, constant: Constant) -> dict[str, str]:
 def materials(study: Study) -> list[str]:
     """Names of the materials that a study's cases are made of."""
     names: list[str] = [*_phases(study), *(layer.material for layer in study.body if layer.material)]
-    for kind in _KINDS:
-        names += [str(study.fixed[kind])] if kind in study.fixed else study.categories.get(kind, [])
-    return [name for name in dict.fromkeys(names) if name != RIGID]
+    names += [name for kind in _KINDS for name in study.names(kind)]
+    return [name for name in dict.fromkeys(names) if name not in ("", RIGID)]
 
 
 def _phases(study: Study) -> list[str]:
     """The phases, where a composite is made of them."""
     composites: list[str | None] = [layer.composite for layer in study.body]
     if not study.body and "material" not in study.fixed and "material" not in study.categories:
-        composites = [*study.categories.get("composite", [str(study.fixed.get("composite", "fibrous"))])]
+        composites = [*study.names("composite", "fibrous")]
     return list(study.phases) if any(kind in MIXTURES for kind in composites) else []
 
 

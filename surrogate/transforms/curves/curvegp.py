@@ -23,8 +23,7 @@ from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.transforms.curves.basis import Basis, Curves, Largest
 from surrogate.transforms.curves.landscape import Landscape
-from surrogate.transforms.groups import Grouping
-from surrogate.transforms.outputs import Scaling
+from surrogate.transforms.groups import Grouping, Scaling
 from surrogate.transforms.transformed import Transformed, groups_of
 
 # Curves whose largest values are looked for at a time: their fields stay in cache.
@@ -32,8 +31,6 @@ _QUERIES_AT_ONCE = 128
 _PROBES = 64
 # Most points of the panels of one file's curves.
 _LONGEST_PANEL = 1000
-
-Arrays = dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]
 
 
 class CurveGP(Transformed):
@@ -114,9 +111,7 @@ class CurveGP(Transformed):
         for size in self._sizes():
             if not (X[size] > 0).all():
                 raise ValueError(f"size {size!r} is not positive in some case")
-            parts[learnt_name(size, self.logarithms)] = (
-                X[size].copy(data=np.log(X[size].values)) if self.logarithms else X[size]
-            )
+            parts[self._learnt(size)] = X[size].copy(data=np.log(X[size].values)) if self.logarithms else X[size]
         bases = []
         for number, curves in enumerate(self.curves):
             like: xr.DataArray = X[curves.fields[0]].isel({curves.dim: 0}, drop=True)
@@ -152,7 +147,14 @@ class CurveGP(Transformed):
         self.attrs_ = {
             name: attrs.get(name, {}) if name in self.largest else smooth.attrs_[name] for name in self.outputs
         }
-        self.links = Links(self.outputs, self.largest, self.curves, self.bases_, self.logarithms, smooth.outputs_)
+        rows = {name: k for k, name in enumerate(smooth.outputs_)}
+        # rows of the smooth outputs behind the outputs: plain ones, sizes, and scores of every element of `curves`
+        self._plain_rows = [(k, rows[name]) for k, name in enumerate(self.outputs) if name not in self.largest]
+        self._size_rows = {size: rows[name] for size in self._sizes() if (name := self._learnt(size)) in rows}
+        self._score_rows = [
+            [rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows]
+            for number, basis in enumerate(self.bases_)
+        ]
         self.grouping = self._grouped(groups_of(smooth))
         self._landscapes = [
             Landscape(basis, curves.panels) for basis, curves in zip(self.bases_, self.curves, strict=True)
@@ -168,12 +170,28 @@ class CurveGP(Transformed):
             return None
         known = {name: smooth.scalings[name] for name in self.outputs if name not in self.largest}
         for name in self.largest:
-            size = smooth.scalings.get(learnt_name(self.links.size_of(name), self.logarithms), Scaling())
+            size = smooth.scalings.get(self._learnt(self._size_of(name)), Scaling())
             known[name] = replace(size, logarithm=0)
         return replace(smooth, scalings={name: known[name] for name in self.outputs})
 
     def _sizes(self) -> list[str]:
         return sorted({size for curves in self.curves for size in curves.sizes if size})
+
+    def _learnt(self, size: str) -> str:
+        """Name of the smooth output that tells a size."""
+        return f"log {size}" if self.logarithms else size
+
+    def _size_of(self, name: str) -> str:
+        """Name of the size that an output scales by, empty where there is none."""
+        largest = self.largest[name]
+        return self.curves[largest.curves].sizes[max(largest.place, 0)]
+
+    def _size(self, name: str, smooth: Array) -> Array:
+        """Values that an output scales by, (B,), of smooth outputs (q, B)."""
+        if not (size := self._size_of(name)):
+            return np.ones(smooth.shape[1])
+        learnt = smooth[self._size_rows[size]]
+        return np.asarray(np.exp(learnt) if self.logarithms else learnt)
 
     def _dims(self) -> set[str]:
         return {curves.dim for curves in self.curves}
@@ -186,7 +204,7 @@ class CurveGP(Transformed):
         """
         if name not in self.largest:
             return name
-        smooth, rows = self.smooth_, self.links.scores[self.largest[name].curves]
+        smooth, rows = self.smooth_, self._score_rows[self.largest[name].curves]
         t = np.random.default_rng(0).uniform(-1, 1, (len(self.inputs_), _PROBES))
         parts = []
         for part in np.eye(smooth.parts):
@@ -204,42 +222,67 @@ class CurveGP(Transformed):
         mean = self.followed(smooth)
         if weights is None:
             return mean, None
-        return mean, self._witness.variance(t, weights) * self.links.spread(smooth) ** 2
+        return mean, self._witness.variance(t, weights) * self._spread(smooth) ** 2
+
+    def _spread(self, smooth: Array) -> Array:
+        """Every output's standard deviation over that of its witness, from smooth outputs (q, B): (p, B)."""
+        out = np.ones((len(self.outputs), smooth.shape[1]))
+        for k, name in enumerate(self.outputs):
+            if name in self.largest:
+                out[k] = self._typical(name) * self._size(name, smooth)
+        return out
+
+    def _typical(self, name: str) -> float:
+        """The same where the output's size is one."""
+        if name not in self.largest:
+            return 1.0
+        largest = self.largest[name]
+        basis = self.bases_[largest.curves]
+        typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
+        return float(typical * (basis.scales[0] if largest.place < 0 else np.ptp(basis.mean[largest.place])))
+
+    def _searches(self) -> Iterator[tuple[int, Measure, list[str]]]:
+        """Numbers of curves, measures of them, and the outputs that each of these gives."""
+        searched: dict[tuple[int, Measure], list[str]] = {}
+        for name, largest in self.largest.items():
+            searched.setdefault((largest.curves, largest.measure), []).append(name)
+        for (number, measure), names in sorted(searched.items(), key=lambda search: search[0][0]):
+            yield number, measure, names
 
     def followed(self, smooth: Array) -> Array:
         """Return all outputs, (p, B), of the smooth ones, (q, B)."""
-        out, links = np.empty((len(self.outputs), smooth.shape[1])), self.links
-        for k, row in links.plain:
+        out = np.empty((len(self.outputs), smooth.shape[1]))
+        for k, row in self._plain_rows:
             out[k] = smooth[row]
         for block in blocks(smooth.shape[1], _QUERIES_AT_ONCE):
-            for number, measure, names in links.searches():
-                scores, land = smooth[links.scores[number], block], self._landscapes[number]
+            for number, measure, names in self._searches():
+                scores, land = smooth[self._score_rows[number], block], self._landscapes[number]
                 summit = land.summit(scores, measure)
                 for name in names:
                     place = self.largest[name].place
                     value = summit.value if place < 0 else land.read(scores, summit, place)
-                    out[self.outputs.index(name), block] = value * links.size(name, smooth[:, block])
+                    out[self.outputs.index(name), block] = value * self._size(name, smooth[:, block])
         return out
 
     @override
     def slopes(self, t: Array) -> Array:
         smooth, _ = self.smooth_.mean_variance(t, None)
-        slopes, links = self.smooth_.slopes(t), self.links
+        slopes = self.smooth_.slopes(t)
         out = np.empty((len(t), len(self.outputs), t.shape[1]))
-        for k, row in links.plain:
+        for k, row in self._plain_rows:
             out[:, k] = slopes[:, row]
         mean = self.followed(smooth)
-        for number, measure, names in links.searches():
-            rows, land = links.scores[number], self._landscapes[number]
+        for number, measure, names in self._searches():
+            rows, land = self._score_rows[number], self._landscapes[number]
             for block in blocks(t.shape[1], _QUERIES_AT_ONCE):
                 summit = land.summit(smooth[rows, block], measure)
                 for name in names:
                     by_score = land.sensitivity(smooth[rows, block], measure, summit, self.largest[name].place)
                     slope = np.einsum("drb,rb->db", slopes[:, rows, block], by_score)
-                    slope *= links.size(name, smooth[:, block])
+                    slope *= self._size(name, smooth[:, block])
                     k = self.outputs.index(name)
-                    if size := links.size_of(name):
-                        row = links.sizes[size]
+                    if size := self._size_of(name):
+                        row = self._size_rows[size]
                         share = 1.0 if self.logarithms else 1 / smooth[row, block]
                         slope += mean[k, block] * share * slopes[:, row, block]
                     out[:, k, block] = slope
@@ -249,7 +292,7 @@ class CurveGP(Transformed):
     def slope_variances(self, t: Array, weights: Array) -> Array:
         """Return the weighted variances of these derivatives, (d, p, B), as those of the witnesses."""
         smooth, _ = self.smooth_.mean_variance(t, None)
-        return self._witness.slope_variances(t, weights) * self.links.spread(smooth) ** 2
+        return self._witness.slope_variances(t, weights) * self._spread(smooth) ** 2
 
     def _narrowed(self, outputs: Sequence[str]) -> Self:
         part = copy(self)
@@ -258,7 +301,12 @@ class CurveGP(Transformed):
         return part
 
     def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        return {"smooth": self.links.behind(outputs)}
+        largest = [name for name in outputs if name in self.largest]
+        names = [name for name in outputs if name not in self.largest]
+        names += [self._learnt(size) for size in sorted({self._size_of(name) for name in largest} - {""})]
+        for number in sorted({self.largest[name].curves for name in largest}):
+            names += [self.smooth_.outputs_[row] for row in self._score_rows[number]]
+        return {"smooth": names}
 
     def _unchanged(self) -> set[str]:
         return set(self.outputs) - set(self.largest)
@@ -272,20 +320,20 @@ class CurveGP(Transformed):
         """
         smooth = self.smooth_.uncalibrated().means(t)
         known, left = np.zeros_like(smooth), errors.copy()
-        for k, row in self.links.plain:
+        for k, row in self._plain_rows:
             known[row] = errors[k]
         required = {name for curves in self.curves for name in (*curves.fields, *curves.sizes) if name}
         whole = required <= dataset.keys()
         true = smooth + known
         if whole:
-            for size, row in self.links.sizes.items():
+            for size, row in self._size_rows.items():
                 true[row] = np.log(dataset[size].values) if self.logarithms else dataset[size].values
             for number, curves in enumerate(self.curves):
-                true[self.links.scores[number]] = self.bases_[number].scores(curves.shapes(dataset))
+                true[self._score_rows[number]] = self.bases_[number].scores(curves.shapes(dataset))
             known = true - smooth
         smooth_left = self.smooth_.corrected(dataset, known, t, groups)
         self._stand_witness()
-        for k, row in self.links.plain:
+        for k, row in self._plain_rows:
             left[k] = smooth_left[row]
         if whole:
             others = [k for k, name in enumerate(self.outputs) if name in self.largest]
@@ -296,48 +344,67 @@ class CurveGP(Transformed):
     # -- files ---------------------------------------------------------------------------------------------------------
     def state(self) -> xr.Dataset:
         """Return the curves and what follows from them; the process stands beside them, as `smooth`."""
-        arrays = to_arrays(self.curves, self.bases_, self.largest)
-        return xr.Dataset(arrays, attrs={"error": self.error, "logarithms": int(self.logarithms)})
+        largest = list(self.largest.values())
+        measures = list(dict.fromkeys(summit.measure for summit in largest))
+        state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
+            "largest_output": (("largest",), np.array(list(self.largest))),
+            "largest_curves": (("largest",), np.array([summit.curves for summit in largest])),
+            "largest_measure": (("largest",), np.array([measures.index(summit.measure) for summit in largest])),
+            "largest_place": (("largest",), np.array([summit.place for summit in largest])),
+        }
+        for k, measure in enumerate(measures):
+            dims = f"branch_{k}", f"measured_{k}"
+            state[f"measure_linear_{k}"] = dims, measure.linear
+            state[f"measure_root_{k}"] = (dims[0], f"row_{k}", dims[1]), measure.root
+        for k, (curve, basis) in enumerate(zip(self.curves, self.bases_, strict=True)):
+            state[f"curve_field_{k}"] = (f"field_{k}",), np.array(curve.fields)
+            state[f"curve_size_{k}"] = (f"field_{k}",), np.array(curve.sizes)
+            state[f"curve_across_{k}"] = (f"panel_across_{k}",), np.array(curve.panels.across)
+            state[f"curve_down_{k}"] = (f"panel_down_{k}",), np.array(curve.panels.down)
+            state[f"curve_dim_{k}"] = (), np.array(curve.dim)
+            state |= basis.state(k)
+        return xr.Dataset(state, attrs={"error": self.error, "logarithms": int(self.logarithms)})
 
     @override
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: tuple[Input, ...], outputs: dict[str, dict[str, str]]) -> Self:
-        curves, bases, largest = from_arrays(stored, list(outputs))
+        curves, bases, largest = _stored_curves(stored, list(outputs))
         known = bool(stored.attrs["logarithms"]), float(stored.attrs["error"])
         model = cls(_unfitted, curves, largest, list(outputs), outputs, *known)
         model.bases_ = tuple(bases)
         return model
+
+    def described(self) -> dict[str, Any]:
+        """Return curves, measures and what follows from them as plain values, for an export."""
+        measures = list(dict.fromkeys(largest.measure for largest in self.largest.values()))
+        return {
+            "plain": self._plain_rows,
+            "largest": [
+                {
+                    "output": self.outputs.index(name),
+                    "net": largest.curves,
+                    "measure": measures.index(largest.measure),
+                    "place": largest.place,
+                    "size": self._size_rows.get(self._size_of(name), -1),
+                }
+                for name, largest in self.largest.items()
+            ],
+            "measures": [{"linear": measure.linear.tolist(), "root": measure.root.tolist()} for measure in measures],
+            "logarithms": self.logarithms,
+            "nets": [
+                {"across": curve.panels.across, "down": curve.panels.down, "scores": rows}
+                for curve, rows in zip(self.curves, self._score_rows, strict=True)
+            ],
+            "spread": [self._typical(name) for name in self.outputs],
+        }
 
 
 def _unfitted(names: Sequence[str]) -> GaussianProcess:
     raise ValueError("a model from a file is not fitted again")
 
 
-def to_arrays(curves: Sequence[Curves], bases: Sequence[Basis], largest: Mapping[str, Largest]) -> Arrays:
-    """Return the arrays by name with their dimensions: what `from_arrays` reads."""
-    measures = list(dict.fromkeys(summit.measure for summit in largest.values()))
-    state: Arrays = {
-        "largest_output": (("largest",), np.array(list(largest))),
-        "largest_curves": (("largest",), np.array([summit.curves for summit in largest.values()])),
-        "largest_measure": (("largest",), np.array([measures.index(summit.measure) for summit in largest.values()])),
-        "largest_place": (("largest",), np.array([summit.place for summit in largest.values()])),
-    }
-    for k, measure in enumerate(measures):
-        dims = f"branch_{k}", f"measured_{k}"
-        state[f"measure_linear_{k}"] = dims, measure.linear
-        state[f"measure_root_{k}"] = (dims[0], f"row_{k}", dims[1]), measure.root
-    for k, (curve, basis) in enumerate(zip(curves, bases, strict=True)):
-        state[f"curve_field_{k}"] = (f"field_{k}",), np.array(curve.fields)
-        state[f"curve_size_{k}"] = (f"field_{k}",), np.array(curve.sizes)
-        state[f"curve_across_{k}"] = (f"panel_across_{k}",), np.array(curve.panels.across)
-        state[f"curve_down_{k}"] = (f"panel_down_{k}",), np.array(curve.panels.down)
-        state[f"curve_dim_{k}"] = (), np.array(curve.dim)
-        state |= basis.state(k)
-    return state
-
-
-def from_arrays(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
-    """Return curves, their bases and what follows from them."""
+def _stored_curves(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
+    """Curves in a file, their bases and what follows from them; ValueError where they do not fit each other."""
     curves: list[Curves] = []
     bases: list[Basis] = []
     while f"curve_field_{len(curves)}" in stored:
@@ -363,111 +430,3 @@ def from_arrays(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves
             raise ValueError(f"{name!r} follows from fields that its curves do not have")
         largest[str(name)] = Largest(curve, measures[measure], place)
     return curves, bases, largest
-
-
-def learnt_name(size: str, logarithms: bool) -> str:
-    """Return the name of the smooth output that tells a size."""
-    return f"log {size}" if logarithms else size
-
-
-class Links:
-    """Rows of smooth outputs behind p outputs.
-
-    plain: Outputs that are smooth themselves, and their rows.
-    sizes: Rows of the sizes.
-    scores: Rows of the scores of every element of `curves`.
-    """
-
-    def __init__(
-        self,
-        outputs: Sequence[str],
-        largest: Mapping[str, Largest],
-        curves: Sequence[Curves],
-        bases: Sequence[Basis],
-        logarithms: bool,
-        smooth: Sequence[str],
-    ) -> None:
-        self._outputs, self._largest, self._curves, self._bases = outputs, largest, curves, bases
-        self._logarithms, self._smooth = logarithms, smooth
-        rows = {name: k for k, name in enumerate(smooth)}
-        self.plain = [(k, rows[name]) for k, name in enumerate(outputs) if name not in largest]
-        sizes = sorted({size for curve in curves for size in curve.sizes if size})
-        self.sizes = {size: rows[name] for size in sizes if (name := learnt_name(size, logarithms)) in rows}
-        self.scores = [
-            [rows[name] for k in range(len(basis.vectors)) if (name := f"score {number} {k}") in rows]
-            for number, basis in enumerate(bases)
-        ]
-
-    def searches(self) -> Iterator[tuple[int, Measure, list[str]]]:
-        """Numbers of curves, measures of them, and the outputs that each of these gives."""
-        searched = {(largest.curves, largest.measure): None for largest in self._largest.values()}
-        for number, measure in sorted(searched, key=lambda search: search[0]):
-            key = number, measure
-            names = [name for name, largest in self._largest.items() if (largest.curves, largest.measure) == key]
-            yield number, measure, names
-
-    def size_of(self, name: str) -> str:
-        """Return the name of the size that an output scales by, empty where there is none."""
-        largest = self._largest[name]
-        return self._curves[largest.curves].sizes[max(largest.place, 0)]
-
-    def size(self, name: str, smooth: Array) -> Array:
-        """Return what an output scales by.
-
-        smooth: (q, B); result: (B,).
-        """
-        size = self.size_of(name)
-        if not size:
-            return np.ones(smooth.shape[1])
-        learnt = smooth[self.sizes[size]]
-        return np.asarray(np.exp(learnt) if self._logarithms else learnt)
-
-    def spread(self, smooth: Array) -> Array:
-        """Return every output's standard deviation over that of its witness, from smooth outputs (q, B): (p, B)."""
-        out = np.ones((len(self._outputs), smooth.shape[1]))
-        for k, name in enumerate(self._outputs):
-            if name in self._largest:
-                out[k] = self._typical(name) * self.size(name, smooth)
-        return out
-
-    def _typical(self, name: str) -> float:
-        """The same where the output's size is one."""
-        if name not in self._largest:
-            return 1.0
-        largest = self._largest[name]
-        basis = self._bases[largest.curves]
-        typical = 1 / np.sqrt(basis.mean.size)  # of a score's vector, over the scale of its field
-        return float(typical * (basis.scales[0] if largest.place < 0 else np.ptp(basis.mean[largest.place])))
-
-    def behind(self, outputs: Sequence[str]) -> list[str]:
-        """Return the smooth outputs that some outputs need: plain ones, sizes, scores."""
-        largest = [name for name in outputs if name in self._largest]
-        sizes = sorted({self.size_of(name) for name in largest} - {""})
-        used = sorted({self._largest[name].curves for name in largest})
-        names = [name for name in outputs if name not in self._largest]
-        names += [learnt_name(size, self._logarithms) for size in sizes]
-        return names + [self._smooth[row] for number in used for row in self.scores[number]]
-
-    def described(self) -> dict[str, Any]:
-        """Return links, measures and panels as plain values."""
-        measures = list(dict.fromkeys(largest.measure for largest in self._largest.values()))
-        return {
-            "plain": self.plain,
-            "largest": [
-                {
-                    "output": list(self._outputs).index(name),
-                    "net": largest.curves,
-                    "measure": measures.index(largest.measure),
-                    "place": largest.place,
-                    "size": self.sizes[size] if (size := self.size_of(name)) else -1,
-                }
-                for name, largest in self._largest.items()
-            ],
-            "measures": [{"linear": measure.linear.tolist(), "root": measure.root.tolist()} for measure in measures],
-            "logarithms": self._logarithms,
-            "nets": [
-                {"across": curve.panels.across, "down": curve.panels.down, "scores": rows}
-                for curve, rows in zip(self._curves, self.scores, strict=True)
-            ],
-            "spread": [self._typical(name) for name in self._outputs],
-        }

@@ -1,7 +1,7 @@
 """A surrogate that measured rows have corrected: its constants moved, discrepancies added, both uncertain."""
 
-from collections.abc import Mapping, Sequence
-from typing import ClassVar, NoReturn, Self
+from collections.abc import Callable, Mapping, Sequence
+from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
@@ -54,10 +54,6 @@ class CorrectedGP(Transformed):
         self.inputs_, self.outputs_, self.attrs_ = inputs, tuple(outputs), attrs
         self.calibration_ = None
 
-    def fit(self, X: xr.Dataset) -> NoReturn:
-        """Not given: `use.learning` makes what this model is constructed from."""
-        raise NotImplementedError("a corrected surrogate is made from measured rows, not from a data set")
-
     def _lay_out(self) -> None:
         if self.nominal_.inputs_ != self.inputs_ or self.nominal_.outputs_ != self.outputs_:
             raise ValueError("the nominal model has other inputs or outputs")
@@ -95,9 +91,8 @@ class CorrectedGP(Transformed):
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
         X = self.physical(t)
         base, std = self.nominal_.predict_array(X, return_std=True, extrapolate=True)
-        effect = self.effect_.predict_array(X, extrapolate=True).reshape(len(X), len(self.outputs_), self._each)
-        drawn = [self._drawn(draw, effect, t) for draw in self.draws_]
-        mean, variance = moments(drawn)
+        effect = self.effect_.predict_array(X, extrapolate=True).T.reshape(len(self.outputs_), self._each, -1)
+        mean, variance = self._shifts(effect, lambda discrepancy: discrepancy.at(t.T))
         mean += base.T
         if weights is None:
             return mean, None
@@ -105,42 +100,38 @@ class CorrectedGP(Transformed):
         variance += (std * reach).T ** 2 + self.effect_std_[:, None] ** 2
         return mean, weights[0][:, None] * variance
 
-    def _drawn(self, draw: Draw, effect: Array, t: Array) -> tuple[Array, Array]:
-        """Return one draw's shift of the nominal means, and its variance, (p, B) each."""
-        slopes = effect[..., 1:].transpose(1, 0, 2).copy()
-        mean = effect[..., 0].T - slopes @ self.about_
-        variance = np.zeros_like(mean)
-        for q, discrepancy in draw.discrepancies.items():
-            shift, by_constants, variance[q] = discrepancy.at(t.T)
-            mean[q] += shift
-            slopes[q] -= by_constants
-        return mean + slopes @ draw.mean, variance + np.einsum("pbk,kl,pbl->pb", slopes, draw.covariance, slopes)
+    def _shifts(self, effect: Array, known: Callable[[Discrepancy], tuple[Array, Array, Array]]) -> tuple[Array, Array]:
+        """Shift of the nominal means or slopes over all draws, and its variance, (..., p, B) each.
+
+        effect: (..., p, 1 + k, B), of the constants; known: takes a discrepancy, gives `at` or `gradient`.
+        """
+        parts = []
+        for draw in self.draws_:
+            slopes = np.moveaxis(effect[..., 1:, :], -2, -1).copy()
+            mean = effect[..., 0, :] - slopes @ self.about_
+            variance = np.zeros_like(mean)
+            for q, discrepancy in draw.discrepancies.items():
+                shift, by_constants, variance[..., q, :] = known(discrepancy)
+                mean[..., q, :] += shift
+                slopes[..., q, :, :] -= by_constants
+            variance += np.einsum("...bk,kl,...bl->...b", slopes, draw.covariance, slopes)
+            parts.append((mean + slopes @ draw.mean, variance))
+        return moments(parts)
 
     @override
     def slopes(self, t: Array) -> Array:
-        return moments(self._slope_parts(t))[0] + self._derivatives(self.nominal_, t)[0]
+        return self._slope_moments(t)[0]
 
     @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        variance = moments(self._slope_parts(t))[1] + self._derivatives(self.nominal_, t)[1]
-        return np.asarray(weights[0][:, None] * variance)
+        return np.asarray(weights[0][:, None] * self._slope_moments(t)[1])
 
-    def _slope_parts(self, t: Array) -> list[tuple[Array, Array]]:
-        """Return every draw's shift of the nominal slopes, and its variance, (d, p, B) each."""
-        d, B = t.shape
-        effect = self._derivatives(self.effect_, t)[0].reshape(d, len(self.outputs_), self._each, B)
-        parts = []
-        for draw in self.draws_:
-            slopes = effect[:, :, 1:].transpose(0, 1, 3, 2).copy()
-            mean = effect[:, :, 0] - slopes @ self.about_
-            variance = np.zeros_like(mean)
-            for q, discrepancy in draw.discrepancies.items():
-                shift, by_constants, variance[:, q] = discrepancy.gradient(t.T)
-                mean[:, q] += shift
-                slopes[:, q] -= by_constants
-            variance += np.einsum("ipbk,kl,ipbl->ipb", slopes, draw.covariance, slopes)
-            parts.append((mean + slopes @ draw.mean, variance))
-        return parts
+    def _slope_moments(self, t: Array) -> tuple[Array, Array]:
+        """Means and variances of the slopes, (d, p, B) each."""
+        effect = self._derivatives(self.effect_, t)[0].reshape(len(t), len(self.outputs_), self._each, -1)
+        shift, variance = self._shifts(effect, lambda discrepancy: discrepancy.gradient(t.T))
+        nominal, own_variance = self._derivatives(self.nominal_, t)
+        return nominal + shift, own_variance + variance
 
     def _derivatives(self, model: GaussianProcess, t: Array) -> tuple[Array, Array]:
         """Derivatives of a member by the scaled inputs, and their variances, (d, p, B) each."""

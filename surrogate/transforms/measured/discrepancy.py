@@ -49,31 +49,28 @@ class Discrepancy:
         residual, slopes = self.whitened
         return self.slopes.T @ slopes, self.slopes.T @ residual
 
-    @property
-    def fit(self) -> float:
-        """Twice the negative logarithm of the density of the residuals were all constants zero, less n log 2 pi."""
-        return float(self.residual @ self.whitened[0] + 2 * np.log(np.diag(self.factor)).sum())
-
     def at(self, points: Array) -> tuple[Array, Array, Array]:
         """Return m0 (m,), m1 (m, k) and the variance (m,) at scaled points (m, d): the mean is m0 - m1 @ constants."""
-        cross = self.covariance(points)
-        residual, slopes = self.whitened
-        white = solve_triangular(self.factor, cross.T, lower=True)
-        variance = self.amplitude**2 - np.einsum("nm,nm->m", white, white)
-        return cross @ residual, cross @ slopes, np.maximum(variance, 0)
+        return self._conditioned(self.covariance(points), self.amplitude**2)
 
     def gradient(self, points: Array) -> tuple[Array, Array, Array]:
         """Return the same of its derivatives by the scaled inputs: (d, m), (d, m, k), (d, m)."""
         cross = self.covariance(points)
+        parts = [
+            self._conditioned(
+                -(points[:, i, None] - self.points[:, i]) / length**2 * cross, (self.amplitude / length) ** 2
+            )
+            for i, length in enumerate(self.lengths)
+        ]
+        mean, by_constants, variance = map(np.stack, zip(*parts, strict=True))
+        return mean, by_constants, variance
+
+    def _conditioned(self, cross: Array, prior: float) -> tuple[Array, Array, Array]:
+        """Return m0, m1 and the variance from a prior variance and the covariances with the values, (m, n)."""
         residual, slopes = self.whitened
-        parts = []
-        for i, length in enumerate(self.lengths):
-            along = -(points[:, i, None] - self.points[:, i]) / length**2 * cross
-            white = solve_triangular(self.factor, along.T, lower=True)
-            left = (self.amplitude / length) ** 2 - np.einsum("nm,nm->m", white, white)
-            parts.append((along @ residual, along @ slopes, np.maximum(left, 0)))
-        mean, by_constants, variance = zip(*parts, strict=True)
-        return np.stack(mean), np.stack(by_constants), np.stack(variance)
+        white = solve_triangular(self.factor, cross.T, lower=True)
+        variance = prior - np.einsum("nm,nm->m", white, white)
+        return cross @ residual, cross @ slopes, np.maximum(variance, 0)
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,9 @@ from solver.point.table import PointKind, window
 from solver.stack.wavenumbers import strip
 from tests.solver.point.points import film
 from verification.cases import constants
-from verification.oracles.fem_film import ELECTRIC, Layer
+from verification.oracles.fem_film import Layer
 from verification.oracles.fem_point import PointContact
+from verification.oracles.spectral import ELECTRIC
 
 BTO = solver.find("BaTiO3")
 _POLYMER: dict[str, Any] = {

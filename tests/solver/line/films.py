@@ -9,8 +9,8 @@ from solver.arrays import Array
 from solver.halfplane.interior import with_derived
 from solver.halfplane.profile import Profile
 from solver.line.contact import FilmContact
+from solver.line.fields import SurfaceTable
 from solver.line.interior import fields_of
-from solver.line.surface import SurfaceTable
 from solver.line.table import Table, table
 from solver.line.tractions import TractionTable
 from solver.stack.layers import Layer, Stack

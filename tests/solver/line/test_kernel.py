@@ -15,10 +15,10 @@ from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.line import kernel as module
 from solver.line import outputs
-from solver.line.assembly import Assembly
 from solver.line.contact import FilmContact
+from solver.line.fields import local_fields
 from solver.line.kernel import ENTRIES, Kernel, kernel
-from solver.line.surface import local_fields
+from solver.line.outputs import Assembly
 from solver.line.system import System
 from solver.line.table import SlowWarning, at, table
 from solver.stack.layers import RIGID, Layer, Stack, StackError

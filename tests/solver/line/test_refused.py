@@ -11,7 +11,6 @@ from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.line.contact import FilmContact
 from solver.line.kernel import kernel
-from solver.line.peaks import PeakTable
 from solver.line.table import table
 from solver.stack.layers import Layer, Stack
 from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, cases, cylinder, interior_fields, surface_fields
@@ -25,13 +24,6 @@ def pressed(radius: float, load: float, charge: float = 0.0) -> object:
     tabled = table(Stack((Layer(FIBROUS, 2e-4),)), 0.3, most=10.0)
     profile, charges = Profile.cylinder(np.array(radius)), np.array([[charge, 0.0]])
     return FilmContact(tabled, profile, cases(load), charges, np.array(1.0)).half_width
-
-
-def peaked(stack: Stack, load: float, region: str) -> object:
-    tabled = table(stack, least=1.0, most=12.0, nodes=4)
-    profile = Profile.cylinder(np.array(0.05))
-    contact = FilmContact(tabled, profile, cases(load), np.zeros((1, 2)), np.array(1.0))
-    return PeakTable(tabled).peaks(contact, region)
 
 
 #: Words of the refusal, and what is refused with them.
@@ -60,14 +52,16 @@ REFUSED: dict[str, Callable[[], object]] = {
     "magnetic_potential: is not given inside a film on a base that insulates": lambda: interior_fields(
         cylinder(INSULATED), np.zeros(1), np.zeros(1), ("magnetic_potential",)
     ),
-    "wider than 10 thicknesses": lambda: peaked(ON_STEEL, 1e6, "film"),
-    "a rigid base has no stresses": lambda: peaked(Stack((Layer(FIBROUS, 2e-4),)), 1e5, "base"),
+    "contact: half-length over thickness 11.1 is too wide for peaks; must be < 10": lambda: solver.solve(
+        {"body": ON_STEEL, "profile": "flat", "width": 22.2 * 2e-4, "load": 1e4, "surroundings": "insulated"},
+        peaks=True,
+    ),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("words", REFUSED)
 def test_it_is_refused(words: str) -> None:
-    with pytest.raises((MaterialError, ContactError)) as caught:
+    with pytest.raises((MaterialError, ContactError, solver.FactorError)) as caught:
         REFUSED[words]()
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)

@@ -1,7 +1,7 @@
 """Named inputs and outputs, and refusals, for every engine."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -78,11 +78,6 @@ def test_extrapolation_is_computed_and_flagged_when_asked_for(model: GridGP) -> 
     assert "extrapolated" not in model.predict(MIDDLE)
 
 
-def _table(columns: Mapping[str, Any]) -> Any:
-    """A pandas DataFrame."""
-    return xr.Dataset({name: ("row", values) for name, values in columns.items()}).to_dataframe()
-
-
 @pytest.mark.parametrize(
     ("points", "says"),
     [
@@ -105,8 +100,8 @@ def _table(columns: Mapping[str, Any]) -> Any:
         (xr.DataArray(np.zeros((5, 5)), dims=("input", "point")), "points must be named"),
         ("mixture=0.5", "got str"),
         (None, "got object values of shape ()"),
-        (_table({"size": [0.1]})[["size", "size"]], "the table of points has a column twice"),
-        (_table({name: ["large"] for name in MIDDLE}), "input 'mixture' must be numbers"),
+        (pd.DataFrame({"size": [0.1]})[["size", "size"]], "the table of points has a column twice"),
+        (pd.DataFrame({name: ["large"] for name in MIDDLE}), "input 'mixture' must be numbers"),
     ],
 )  # fmt: skip
 def test_bad_points_are_refused_in_one_line(model: GridGP, points: Any, says: str) -> None:

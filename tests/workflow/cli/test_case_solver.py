@@ -1,7 +1,9 @@
 """Tables solved in blocks: the bits of one pass, the first row at fault by its line, a bound on the answer."""
 
 import csv
+import io
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +14,13 @@ import xarray as xr
 
 import solver
 from solver import solve
+from solver.fields import INTERIOR
 from solver.names import POINT_SLIDING
 from storage.netcdf import read_whole, write_whole
 from workflow.cli import main
 from workflow.cli import solve as case_solver
 from workflow.cli.casetable import read_cases
-from workflow.language import grammar
+from workflow.cli.textfile import write_columns
 from workflow.language.wordings import plain
 from workflow.study.reading import InputError
 
@@ -108,8 +111,9 @@ def test_an_answer_too_large_for_the_memory_is_refused(tmp_path: Path, monkeypat
 
 
 def test_a_name_that_a_spreadsheet_would_calculate_stays_a_name() -> None:
-    frame = xr.Dataset(coords={"material": ("case", np.array(["=1+1"], dtype=object))})
-    assert case_solver._as_rows(frame, ["material"]) == "'=1+1\n"
+    file = io.BytesIO()
+    write_columns(file, {"material": np.array(["=1+1", None]), "load": np.array([-1.0, np.nan])})
+    assert file.getvalue() == b"material,load\n'=1+1,-1.0\n,\n"
     assert [plain(text) for text in ("=1+1", "+x", "-x", "@x")] == ["'=1+1", "'+x", "'-x", "'@x"]
     assert [plain(cell) for cell in ("a,b", -1.0)] == ["a,b", -1.0]
 
@@ -126,6 +130,13 @@ PZT-4,,50,,1e4,,0.2,steel,,,air,,,,2.2,insulating
 """
 
 
+def cases(text: str) -> Iterator[dict[str, Any]]:
+    """The cases of a table, with the units of its header."""
+    for _, row in pd.read_csv(io.StringIO(text)).iterrows():
+        named = [(*head.removesuffix("]").partition(" ["), cell) for head, cell in row.dropna().items()]
+        yield {name: f"{cell} {unit}" if unit else cell for name, _, unit, cell in named}
+
+
 def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table, out, sheet = tmp_path / "mixed.csv", tmp_path / "out.nc", tmp_path / "out.csv"
     table.write_text(LINES_AND_POINTS, encoding="utf-8")
@@ -134,18 +145,7 @@ def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, capsys: pyt
     data = read_whole(out)
     assert np.isnan(data["gap_field"].values).tolist() == [True] * 5 + [False]
     assert data["gap_field"].attrs["comment"] == "no number where a case has none"
-    ball: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 1.0}
-    disc: dict[str, Any] = {"material": "BaTiO3", "profile": "disc", "width": 1e-4, "force": 1.0}
-    cases: list[dict[str, Any]] = [
-        {"material": "BaTiO3", "radius": 0.05, "load": 1e4, "friction": 0.1, "punch": "steel"},
-        ball, ball | {"thickness": 1e-4, "base": "steel", "surroundings": "insulated", "punch": "brass"},
-        disc | {"electric": "insulating"},
-        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "rigid",
-         "surroundings": "insulated"},
-        {"material": "PZT-4", "radius": 0.05, "load": 1e4, "thickness": 2e-4, "base": "steel", "surroundings": "air",
-         "gap_permittivity": 2.2, "magnetic": "insulating"},
-    ]  # fmt: skip
-    for row, case in enumerate(cases):
+    for row, case in enumerate(cases(LINES_AND_POINTS)):
         exact = solver.solve(case)
         for name in set(exact.data_vars) | set(data.data_vars):
             value = float(data[str(name)][row])
@@ -160,6 +160,35 @@ def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, capsys: pyt
     assert main.main(["solve", str(table), "-o", str(sheet), "--positions", "0"]) == 2
 
 
+MIXED = """\
+profile,radius,width,slope,material,volume_fraction,load,friction,charge,magnetic,speed,corner,moment
+cylinder,0.05,,,BaTiO3,,1e5,0.3,1e-6,conducting,,,
+flat,,0.01,,,0.4,1e5,0.2,,insulating,,,
+wedge,,,0.02,PZT-4,,2e4,0.1,,,,leading,
+half_cylinder,0.1,,,,0.5,1e5,0.3,,,800,trailing,
+flat,,0.01,,CoFe2O4,,1e5,0.2,,,,,-20
+"""
+
+
+def test_a_table_of_every_kind_of_punch_has_fields_at_and_below_the_surface(tmp_path: Path) -> None:
+    table, out, below = tmp_path / "cases.csv", tmp_path / "out.nc", tmp_path / "inside.nc"
+    table.write_text(MIXED, encoding="utf-8")
+    assert main.main(["solve", str(table), "-o", str(out), "--positions=-2,0,0.5", "--peaks"]) == 0
+    assert main.main(["interior", str(table), "-o", str(below), "--x=-1.2,0,2", "--y=-0.5,0"]) == 0
+    data, inside = read_whole(out), read_whole(below)
+    assert set(inside.data_vars) == set(INTERIOR)
+    assert inside["von_mises"].dims == ("case", "y", "x")
+    names = ["depth", "voltage", "contact_trailing", "peak_von_mises", "peak_principal_tension", "stress_xx"]
+    for row, factors in enumerate(cases(MIXED)):
+        expected = solver.solve(factors, [-2.0, 0.0, 0.5], peaks=True)
+        for name in names:
+            np.testing.assert_allclose(data[name].isel(case=row), expected[name], rtol=1e-9, err_msg=f"{name}, {row}")
+    expected = solver.solve_interior(list(cases(MIXED))[2], [-1.2, 0, 2], [-0.5, 0])
+    for name in INTERIOR:
+        scale = float(np.abs(expected[name]).max())
+        np.testing.assert_allclose(inside[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
+
+
 def test_fields_inside_films_end_at_a_rigid_base(tmp_path: Path) -> None:
     table, out = tmp_path / "films.csv", tmp_path / "inside.nc"
     rows = "".join(f"PZT-4,0.05,1e5,0.5,{base},insulated\n" for base in ("rigid", "steel"))
@@ -169,21 +198,3 @@ def test_fields_inside_films_end_at_a_rigid_base(tmp_path: Path) -> None:
     data = read_whole(out)
     assert np.isnan(data["von_mises"].values).any(axis=2).tolist() == [[True, False], [False, False]]
     assert np.all(data["stress_yy"].values[:, 1] < 0)
-
-
-def test_the_place_between_two_patches_is_told_as_far_as_the_noise_lets_it() -> None:
-    """On a device: sqrt(2) of the charge noise over what the difference of both charges changes by a metre."""
-    cover = solver.Stack([solver.Layer(solver.find("PDMS"), 1e-3, "grounded"), solver.Layer(solver.find("PVDF"), 1e-4)])
-    case: dict[str, Any] = {"profile": "sphere", "radius": 0.01, "force": 0.5, "punch": "skin", "body": cover}
-    read = {"electric": "insulating", "magnetic": "insulating", "collector": 2, "patch_size": 2e-3}
-    gradient = float(solver.solve(case | read | {"patch_pitch": 4e-3})["patch_charge_gradient"])
-    step = 1e-6
-    places = np.array([2e-3 - step, 2e-3 + step, -2e-3 - step, -2e-3 + step])
-    charges = solver.solve(case | read | {"patch_position": places})["patch_charge_per_force"].values
-    moved = (
-        0.5 * ((charges[3] - charges[2]) - (charges[1] - charges[0])) / (2 * step)
-    )  # of the difference, by the contact's place
-    figure = grammar.parse("position_resolution", "point")
-    known = {"charge_noise": 1e-15, "patch_charge_gradient": gradient, "force": 0.5}
-    resolution = float(figure.evaluate({name: np.array(known[name]) for name in figure.names()}))
-    assert resolution == pytest.approx(np.sqrt(2) * 1e-15 / abs(moved), rel=1e-4)

@@ -10,7 +10,7 @@ import pytest
 
 from workflow.cli import main
 from workflow.cli.main import COMMANDS
-from workflow.run.sources import ROOT
+from workflow.run.provenance import ROOT
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -1,19 +1,16 @@
 """The command line as a user meets it: results, exit statuses, one-line complaints, nothing half written."""
 
-import csv
 import re
 from importlib.metadata import version
 from pathlib import Path
 
-import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 import solver
 import surrogate
 from solver import solve, units
-from solver.fields import INTERIOR
-from storage.netcdf import read_whole
 from tests.workflow.conftest import SMALL, Copy, Project
 from workflow.cli import main
 
@@ -97,58 +94,45 @@ def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.Capt
     assert "-o/--output" in complaint(capsys, "interior", cases, "--x=0", "--y=-1")
 
 
-def test_material_refuses_the_widely_copied_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = "c11: 286e9\nc12: 173e9\nc13: 170.5e9\nc33: 269.5e9\nc44: 45.3e9\nmu11: -590e-6\nmu33: 157e-6\n"
-    path = write(tmp_path / "cobalt.yaml", text)
-    line = complaint(capsys, "material", path)
-    assert f"{path}: cobalt: mu11 = -0.00059 N s2 C-2: must be positive" in line
-    assert "use mu11 = +590e-6" in line
+POINT = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
+AT = ",".join(f"{name}={value}" for name, value in POINT.items())
+ONE = {name: xr.DataArray([value], dims="point") for name, value in POINT.items()}
 
 
-def test_query_prints_and_writes_what_the_surrogate_says(
-    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(("options", "level"), [([], 0.95), (["--level", "0.8"], 0.8)])
+def test_query_prints_what_the_surrogate_says(
+    ran: Project, capsys: pytest.CaptureFixture[str], options: list[str], level: float
 ) -> None:
-    path = ran.folder / "results/small/surrogate.nc"
-    model = surrogate.load(path)
-    point = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
-    point_text = ",".join(f"{k}={v}" for k, v in point.items())
-    assert main.main(["query", str(path), "--si", "--at", point_text]) == 0
-    printed = capsys.readouterr().out
-    for name in model.outputs_:
-        assert name in printed
-    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
-    out = tmp_path / "out.csv"
-    assert main.main(["query", str(path), str(table), "-o", str(out)]) == 0
-    with out.open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    named = {name: xr.DataArray([value], dims="point") for name, value in point.items()}
-    expected = model.predict(named).merge(model.interval(named))
-    for name in model.outputs_:
-        for key in (name, f"{name}_std", f"{name}_lower", f"{name}_upper"):
-            assert float(rows[0][key]) == pytest.approx(float(expected[key][0]), rel=1e-9)
-        line = next(row_text for row_text in printed.splitlines() if row_text.split()[0] == name)
-        match = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] {model.attrs_[name]['units']} \(95 %\)", line.rstrip())
+    model = surrogate.load(ran.folder / "results/small/surrogate.nc")
+    assert main.main(["query", str(ran.folder / "results/small"), "--si", "--at", AT, *options]) == 0
+    printed = {line.split()[0]: line.rstrip() for line in capsys.readouterr().out.splitlines()}
+    expected = model.predict(ONE).merge(model.interval(ONE, level))
+    assert list(printed) == list(model.outputs_)
+    for name, line in printed.items():
+        units, share = re.escape(model.attrs_[name]["units"]), f"{100 * level:g}"
+        match = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] {units} \({share} %\)", line)
         assert match, line
-        half = float(expected[f"{name}_upper"][0] - expected[f"{name}_lower"][0]) / 2
-        for text, key in zip(match.groups(), (name, f"{name}_lower", f"{name}_upper"), strict=True):
-            assert float(text) == pytest.approx(float(expected[key][0]), abs=0.051 * half)
+        ends = [float(expected[f"{name}{part}"][0]) for part in ("", "_lower", "_upper")]
+        assert [float(text) for text in match.groups()] == pytest.approx(ends, abs=0.0255 * (ends[2] - ends[1]))
+
+
+def test_query_writes_what_the_surrogate_says(ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = ran.folder / "results/small/surrogate.nc", tmp_path / "out.csv"
+    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
+    assert main.main(["query", str(path), str(table), "-o", str(out)]) == 0
+    rows, model = pd.read_csv(out), surrogate.load(path)
+    expected = model.predict(ONE).merge(model.interval(ONE))
     columns = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
-    assert list(rows[0]) == [*point, *columns]
-    assert "+-" not in printed
-    assert [row["radius"] for row in rows] == ["0.1", "0.02"]
-    assert main.main(["query", str(path.parent), "--si", "--at", point_text, "--level", "0.8"]) == 0
-    name, narrow = model.outputs_[0], model.interval(named, 0.8)
-    line = next(row_text for row_text in capsys.readouterr().out.splitlines() if row_text.split()[0] == name)
-    match = re.fullmatch(rf"{name} +(\S+) \[(\S+), (\S+)\] .* \(80 %\)", line.rstrip())
-    assert match, line
-    half = float(narrow[f"{name}_upper"][0] - narrow[f"{name}_lower"][0]) / 2
-    assert float(match[3]) == pytest.approx(float(narrow[f"{name}_upper"][0]), abs=0.051 * half)
+    assert [*rows] == [*POINT, *columns]
+    for name in columns:
+        assert rows[name][0] == pytest.approx(float(expected[name][0]), rel=1e-9)
+    assert rows["radius"].tolist() == [0.1, 0.02]
+    out.unlink()
+    capsys.readouterr()
     for level in ("1", "0", "nan", "0.99999"):
-        assert main.main(["query", str(path), str(table), "-o", str(tmp_path / "no.csv"), "--level", level]) == 2
-        assert capsys.readouterr().err.startswith(
-            f"meecontact: --level: level {float(level):g} is not between 0 and 0.999"
-        )
-        assert not (tmp_path / "no.csv").exists()
+        said = complaint(capsys, "query", path, table, "-o", out, "--level", level)
+        assert said.startswith(f"meecontact: --level: level {float(level):g} is not between 0 and 0.999")
+        assert not out.exists()
 
 
 def test_query_gives_the_exact_answer_beside_its_own(
@@ -156,21 +140,17 @@ def test_query_gives_the_exact_answer_beside_its_own(
 ) -> None:
     monkeypatch.chdir(ran.folder)
     path, out = "results/small/surrogate.nc", tmp_path / "out.csv"
-    point = {"load": 1e4, "volume_fraction": 0.5, "friction": 0.2, "radius": 0.05}
-    point_text = ",".join(f"{k}={v}" for k, v in point.items())
-    assert main.main(["query", path, "--at", point_text, "--exact", "small", "-o", str(out)]) == 0
-    with out.open(encoding="utf-8") as file:
-        row = next(csv.DictReader(file))
-    exact = solve(point)
+    assert main.main(["query", path, "--at", AT, "--exact", "small", "-o", str(out)]) == 0
+    row, exact = pd.read_csv(out).iloc[0], solve(POINT)
     for name in ("voltage_per_load", "peak_pressure"):
-        assert float(row[f"{name}_exact"]) == pytest.approx(float(exact[name]), rel=1e-13)
-    assert main.main(["query", path, "--at", point_text, "--exact", "small"]) == 0
+        assert row[f"{name}_exact"] == pytest.approx(float(exact[name]), rel=1e-13)
+    assert main.main(["query", path, "--at", AT, "--exact", "small"]) == 0
     assert f"exact {float(exact['peak_pressure']) / 1e6:.10g} MPa" in capsys.readouterr().out
-    assert "the study's factors are" in complaint(capsys, "query", path, "--at", point_text, "--exact", "quickstart")
+    assert "the study's factors are" in complaint(capsys, "query", path, "--at", AT, "--exact", "quickstart")
     other = write(tmp_path / "another.yaml", SMALL.replace("fibrous", "laminate"))
-    line = complaint(capsys, "query", path, "--at", point_text, "--exact", other)
+    line = complaint(capsys, "query", path, "--at", AT, "--exact", other)
     assert f"--exact: {other}: the surrogate was made from another study, or another state of it" in line
-    assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", point_text, "--exact", "smal")
+    assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", AT, "--exact", "smal")
 
 
 def test_the_installed_command_exits_with_the_status(copy: Copy, capsys: pytest.CaptureFixture[str]) -> None:
@@ -183,54 +163,6 @@ def test_the_installed_command_exits_with_the_status(copy: Copy, capsys: pytest.
     assert done.returncode == 2
     assert done.stderr.startswith("meecontact: material: 'stel' is unknown; did you mean 'steel'?")
     assert project.run("meecontact", "--help").stdout.startswith("usage: meecontact")
-
-
-MIXED = """\
-profile,radius,width,slope,material,volume_fraction,load,friction,charge,magnetic,speed,corner,moment
-cylinder,0.05,,,BaTiO3,,1e5,0.3,1e-6,conducting,,,
-flat,,0.01,,,0.4,1e5,0.2,,insulating,,,
-wedge,,,0.02,PZT-4,,2e4,0.1,,,,leading,
-half_cylinder,0.1,,,,0.5,1e5,0.3,,,800,trailing,
-flat,,0.01,,CoFe2O4,,1e5,0.2,,,,,-20
-"""
-
-
-def test_a_table_of_every_kind_of_punch(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
-    table.write_text(MIXED, encoding="utf-8")
-    assert main.main(["solve", str(table), "-o", str(out), "--positions=-2,0,0.5", "--peaks"]) == 0
-    assert "empty where a case has no such quantity: peak_pressure, magnetic_potential" in capsys.readouterr().err
-    data = read_whole(out)
-    alone = [
-        {"radius": 0.05, "material": "BaTiO3", "load": 1e5, "friction": 0.3, "charge": 1e-6},
-        {"profile": "flat", "width": 0.01, "volume_fraction": 0.4, "load": 1e5, "friction": 0.2,
-         "magnetic": "insulating"},
-        {"profile": "wedge", "slope": 0.02, "material": "PZT-4", "load": 2e4, "friction": 0.1},
-        {"profile": "half_cylinder", "radius": 0.1, "volume_fraction": 0.5, "load": 1e5, "friction": 0.3,
-         "speed": 800.0, "corner": "trailing"},
-        {"profile": "flat", "width": 0.01, "material": "CoFe2O4", "load": 1e5, "friction": 0.2, "moment": -20.0},
-    ]  # fmt: skip
-    names = ["depth", "voltage", "contact_trailing", "peak_von_mises", "peak_principal_tension", "stress_xx"]
-    for row, factors in enumerate(alone):
-        expected = solver.solve(factors, [-2.0, 0.0, 0.5], peaks=True)
-        for name in names:
-            np.testing.assert_allclose(data[name].isel(case=row), expected[name], rtol=1e-9, err_msg=f"{name}, {row}")
-    assert list(data["profile"].values) == ["cylinder", "flat", "wedge", "half_cylinder", "flat"]
-
-
-def test_the_interior_of_a_table_of_cases(tmp_path: Path) -> None:
-    table, out = tmp_path / "cases.csv", tmp_path / "out.nc"
-    table.write_text(MIXED, encoding="utf-8")
-    assert main.main(["interior", str(table), "-o", str(out), "--x=-1.2,0,2", "--y=-0.5,0"]) == 0
-    data = read_whole(out)
-    assert set(data.data_vars) == set(INTERIOR)
-    assert data["von_mises"].dims == ("case", "y", "x")
-    expected = solver.solve_interior(
-        {"profile": "wedge", "slope": 0.02, "material": "PZT-4", "load": 2e4, "friction": 0.1}, [-1.2, 0, 2], [-0.5, 0]
-    )
-    for name in INTERIOR:
-        scale = float(np.abs(expected[name]).max())
-        np.testing.assert_allclose(data[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
 
 
 @pytest.mark.parametrize("flux", ["", ",total_flux=1 nWb"])

@@ -9,7 +9,6 @@ import pytest
 from snakemake.cli import parse_config
 
 from tests.workflow.cli.test_main import complaint
-from workflow.cli import main
 from workflow.language.spelling import nearest
 from workflow.run.provenance import ROOT
 from workflow.study import location
@@ -60,8 +59,7 @@ def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
 ) -> None:
     (tmp_path / "a\\b").mkdir()
     monkeypatch.chdir(tmp_path / "a\\b")
-    assert main.main(["run", "quickstart"]) == 2
-    assert "backslash" in capsys.readouterr().err
+    assert "backslash" in complaint(capsys, "run", "quickstart")
 
 
 STUDY = """\
@@ -91,8 +89,7 @@ def test_a_bad_study_is_one_line_and_nothing_is_written(mine: Path, capsys: pyte
 def test_a_file_where_results_would_go_is_named(name: str, mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
     Path(name).parent.mkdir(exist_ok=True)
     Path(name).write_text("", encoding="utf-8")
-    assert main.main(["run", str(mine), "-n"]) == 2
-    assert f"{name}: is no folder" in capsys.readouterr().err
+    assert f"{name}: is no folder" in complaint(capsys, "run", mine, "-n")
 
 
 def test_results_of_a_namesake_are_not_replaced(mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -102,8 +99,7 @@ def test_results_of_a_namesake_are_not_replaced(mine: Path, capsys: pytest.Captu
     results = Path("results/mine")
     results.mkdir(parents=True)
     (results / "provenance.json").write_text(json.dumps({"study": "../../config/mine.yaml"}), encoding="utf-8")
-    assert main.main(["run", str(mine), "-n"]) == 2
-    assert "results/mine: holds the results of" in capsys.readouterr().err
+    assert "results/mine: holds the results of" in complaint(capsys, "run", mine, "-n")
     location.given(str(mine))
     first.unlink()  # the study has moved
     location.check_owner("mine", results)

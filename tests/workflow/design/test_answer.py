@@ -13,10 +13,22 @@ import xarray as xr
 
 from storage.netcdf import read_whole, write_whole
 from workflow.design.verdict import multipliers, netcdf
-from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
+from workflow.design.verdict.answer import (
+    Answer,
+    Category,
+    Choice,
+    Constant,
+    End,
+    Figure,
+    Overload,
+    Range,
+    Role,
+    Sensitivity,
+    Term,
+    Tolerated,
+    Variable,
+)
 from workflow.design.verdict.leftout import LeftOut
-from workflow.design.verdict.term import Term
-from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.design.wording import table, words
 from workflow.language import statements
 
@@ -57,21 +69,10 @@ ANSWER = Answer(
 )
 
 
-@pytest.mark.parametrize(
-    "bare",
-    [
-        {},
-        {
-            "figures": (),
-            "overload": None,
-            "constants": (),
-            "tolerated": None,
-            "categories": (),
-            "choices": (),
-            "left_out": (),
-        },
-    ],
-)
+BARE = dict.fromkeys(("figures", "constants", "categories", "choices", "left_out"), ())
+
+
+@pytest.mark.parametrize("bare", [{}, {**BARE, "overload": None, "tolerated": None}])
 def test_a_file_holds_all_of_an_answer(tmp_path: Path, bare: dict[str, object]) -> None:
     terms = [replace(GOAL, effect=(), spread=0.0), replace(LIMIT, effect=(), spread=0.0)] if bare else [GOAL, LIMIT]
     answer = replace(ANSWER, terms=tuple(terms), **bare)  # type: ignore[arg-type]

@@ -17,9 +17,8 @@ from tests.studies import fitted
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
-from workflow.design.question.risk import WorstCase
+from workflow.design.question.risk import Term, WorstCase
 from workflow.design.question.sources import Exact, Factors, Predicted, shape
-from workflow.design.question.terms import Term
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.design.wording import table
@@ -213,24 +212,11 @@ def test_few_exact_cases_tell_what_many_would_say(words: dict[str, object], most
     known = Known()
     question = Question(STUDY, target(**words), Guessed(), known)
     term = next(term for term in question.terms if costly.names(question, term))
-    counted = costly.count_exactly(question.at(np.zeros((1, 2))), term)
-    assert counted.cases == known.cases <= most
-    chosen = question.judged[term.key]
+    value, cases = costly.count_exactly(question.at(np.zeros((1, 2))), term)
+    assert cases == known.cases <= most
+    chosen = question.judged[term.measure.key]
     values = closed(chosen.values["friction"]).reshape(1, chosen.groups, chosen.draws)
-    assert counted.value == pytest.approx(float(term.counted(values)[0]), rel=accuracy)
-
-
-def test_the_best_choice_that_holds_exactly_is_taken(low: GaussianProcess) -> None:
-    """A surrogate that errs accepts a sharper punch than the exact solver."""
-    radii = [0.0495, 0.0505, 0.06]
-    over = {"radius": {"choices": radii}, "volume_fraction": {"choices": [0.664]}}
-    choices = target(over=over, worst_case=RANGE, subject_to=[CRACK], allow_outside_interval=True)
-    case = {"composite": "fibrous", "load": 5e4, "volume_fraction": 0.664, "friction": 0.4}
-    holds = [solve({**case, "radius": radius}, peaks=True)["peak_principal_tension"].item() <= 60e6 for radius in radii]
-    assert holds == [False, True, True]
-    answer = targets.answer(STUDY, "sensor", choices, low)
-    assert answer.variable("radius").value == 0.0505
-    assert answer.feasible
+    assert value == pytest.approx(float(term.counted(values)[0]), rel=accuracy)
 
 
 @pytest.mark.parametrize(("tabled", "most"), [(("friction",), 12), ((), 31)])
@@ -244,9 +230,9 @@ def test_a_bias_of_the_surrogate_does_not_make_all_scenarios_of_a_film_decide(
     monkeypatch.setattr(costly, "_solve", lambda design, chosen, columns, terms: [exact[columns][None]])
     design: Any = SimpleNamespace(study=SimpleNamespace(kind=SimpleNamespace(tabled=tabled)))
     limit = statements.limit("peak_pressure <= 2 Pa")
-    term = Term("a limit", limit.expression, limit.sign, WorstCase(), drawn=False, bound=2.0)
+    term = Term("a limit", limit.expression, limit.sign, WorstCase(), bound=2.0)
     chosen: Any = SimpleNamespace(count=31)
-    counted = costly._count_exactly(design, chosen, term, predicted.reshape(1, 31, 1))
-    assert counted.value == exact.max()
-    assert counted.cases <= most
-    assert (counted.cases == most) == (not tabled)
+    value, cases = costly._count_exactly(design, chosen, term, predicted.reshape(1, 31, 1))
+    assert value == exact.max()
+    assert cases <= most
+    assert (cases == most) == (not tabled)

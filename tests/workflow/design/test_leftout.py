@@ -18,8 +18,8 @@ from solver.surface.contact import solve_contact
 from solver.surface.shape import Roller, RoughSphere, sphere
 from tests.workflow.design.test_answer import ANSWER
 from workflow.design.verdict import leftout
+from workflow.design.verdict.answer import End
 from workflow.design.verdict.leftout import LeftOut, SolvedCase
-from workflow.design.verdict.variable import End
 from workflow.design.wording import words
 from workflow.language import statements
 from workflow.language.numbers import shown
@@ -84,6 +84,9 @@ ROLLER = {"radius": 0.05, "load": 1e4, "punch": "rigid", "friction": 0.2}
         ("adhesion", {"radius": 0.017, "force": 0.02}, POINT, 4.00553e-3, 0.02, 0.335376),
         # Tabor's number is 0.01: 2 pi w R, and (1 + 0.0314159)^(1/3) - 1
         ("adhesion", {"radius": 1e-8, "force": 1e-7}, {"contact_radius": 1e-9}, 3.14159e-9, 1e-7, 0.0103645),
+        # docs/limits.md has three digits of these: 2.31 and 25.2 %
+        ("adhesion", {"radius": 5e-3, "force": 1.0}, POINT, 1.17810e-3, 1.0, 2.31415e-2),
+        ("adhesion", {"radius": 5e-3, "force": 10e-3}, POINT, 1.17810e-3, 0.01, 25.1763e-2),
         ("mass of the punch", {"radius": 0.017}, POINT, 1.5747, 0.2, 7.8735),  # the issue's 1.57 N
         ("mass of the punch", ROLLER, LINE, 6.0097, 100.0, 0.060097),
         # the issue's 1 pA through 10 TOhm, 10 V (1 - exp(-t/100 s)), beside 40 pC in 10 pF
@@ -106,19 +109,6 @@ def test_each_formula_gives_a_figure_by_hand(
     assert effect.left_out_ratio == pytest.approx(share / 0.1, rel=1e-4, nan_ok=True)
     ratios = [effect.left_out_ratio for effect in budget.values() if np.isfinite(effect.left_out_ratio)]
     assert ratios == sorted(ratios, reverse=True)
-
-
-@pytest.mark.parametrize(
-    ("rms", "waves", "grid"), [(3e-9, 1.0, 1.45), (1e-8, 1.0, 2.42), (1e-8, 0.5, 3.70), (2e-8, 0.5, 5.76)]
-)
-def test_roughness_is_that_on_a_grid(rms: float, waves: float, grid: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Hertz's ball on crossed waves (conjugate gradients, 192 x 192, E* 62.65 GPa, a crest in the middle).
-
-    Waves of half the length count as twice the height. A load that spreads makes the formula the larger one, by 13 %.
-    """
-    monkeypatch.setattr(leftout, "ROUGHNESS", rms / waves)
-    rough = effects({"profile": "sphere", "radius": 0.02, "force": 0.2}, {"contact_radius": 3.6313e-5})["roughness"]
-    assert grid * 0.995 < 1 + rough.left_out_share < grid * 1.14
 
 
 def test_words_say_how_long_and_how_much() -> None:
@@ -150,12 +140,6 @@ def test_heat_says_when_it_is_the_share_that_the_case_names() -> None:
     case = BALL | {"surroundings": "insulated", "touch_temperature": 303.15, "hold": 1.0, "heat_share": 0.1}
     reached = shown(float(solve(case)["heat_time"]), "s", 2)
     assert f" for 10 K in 1 s, 10 % of it after {reached}" in effects(case)["heat"].left_out_words
-
-
-@pytest.mark.parametrize(("force", "widened"), [(1.0, 2.31e-2), (10e-3, 25.2e-2)])
-def test_adhesion_is_that_of_the_page_of_limits(force: float, widened: float) -> None:
-    effect = effects({"profile": "sphere", "radius": 5e-3, "force": force}, POINT)["adhesion"]
-    assert effect.left_out_share == pytest.approx(widened, rel=2.2e-3)  # docs/limits.md has three digits
 
 
 def test_a_weight_above_a_tenth_of_the_force_presses_too() -> None:
@@ -412,15 +396,8 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     in_space = effects(roller | {"length": 1e-3, "force": 1.0, "grid_error": 0.1})
     assert in_space["heat"].left_out_words == "Heat is not solved for contacts in space."
     assert in_space["tilt"].left_out_words == "Tilt and ends of the roller are solved."
-    soft = {
-        "material": "PDMS",
-        "profile": "sphere",
-        "radius": 0.01,
-        "punch": "skin",
-        "thickness": 3e-3,
-        "base": "steel",
-    }
-    without_charge = effects(soft | {"force": 0.02})
+    soft = {"material": "PDMS", "radius": 0.01, "punch": "skin", "thickness": 3e-3, "force": 0.02}
+    without_charge = effects(BALL | soft)
     assert not {"heat", "bending of the base", "spark beside the contact"} & {*without_charge}
     assert without_charge["roughness"].left_out_words.endswith("rms double it.")
     assert "amplifier" not in half_space

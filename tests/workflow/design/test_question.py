@@ -77,21 +77,6 @@ def test_risk_measures_of_draws_are_those_of_the_distributions() -> None:
 
 
 @pytest.mark.parametrize(
-    "measure", [risk.WorstCase(), risk.MeanDeviation(-2.0), risk.Quantile(0.9), risk.RelativeDeviation()]
-)
-def test_jacobians_of_risk_measures(measure: risk.RiskMeasure) -> None:
-    values = np.random.default_rng(1).uniform(1, 2, (3, 8))
-    jacobian = measure.jacobian(values)
-    step = 1e-6
-    for k in range(values.size):
-        moved = np.stack([values, values])
-        moved[0].flat[k] += step
-        moved[1].flat[k] -= step
-        rows = measure.rows(moved)
-        np.testing.assert_allclose(jacobian[:, k], (rows[0] - rows[1]) / (2 * step), atol=1e-8)
-
-
-@pytest.mark.parametrize(
     ("change", "reason"),
     [
         ({"maximise": "voltage / charge"}, "'voltage / charge' is unbounded: charge in a divisor passes 0"),

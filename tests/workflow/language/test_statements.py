@@ -193,6 +193,10 @@ def test_figures_of_a_device_are_read_as_their_formulas() -> None:
     known = {**names, "input_capacitance": 1e-11, "cable_capacitance": 1e-10, "input_resistance": 1e12}
     value = tree.evaluate({name: np.array(value) for name, value in known.items()})
     assert float(value) == pytest.approx(2e-10 + 1.1e-10, rel=1e-14)
+    patches = {"charge_noise": 1e-15, "patch_charge_gradient": -2e-6, "force": 0.5}
+    places = {name: np.array(value) for name, value in patches.items()}
+    resolution = float(grammar.parse("position_resolution", "point").evaluate(places))
+    assert resolution == pytest.approx(2**0.5 * 1e-9)  # two charges have sqrt(2) of a noise
     for name, figure in FIGURES.items():
         assert str(grammar.parse(name).unit()) == str(units.parse(figure.units))
 

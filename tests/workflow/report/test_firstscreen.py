@@ -12,8 +12,7 @@ from storage.netcdf import read_whole
 from tests.studies import shipped
 from tests.workflow.conftest import Project
 from workflow.design.verdict import netcdf
-from workflow.design.wording import asides
-from workflow.design.wording.words import verdict
+from workflow.design.wording.words import first_to_break, verdict
 from workflow.language.numbers import shown
 from workflow.language.titles import title
 from workflow.report import device, exact, firstscreen, ranked, sentences, svg
@@ -79,7 +78,8 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     folder, target = ran.folder / "results/small/design", study.design["sensor"]
     answer = netcdf.read(folder / "sensor.nc")
     moved = exact.of_design(study, target, answer)
-    screen = firstscreen.answered(study, "sensor", target, answer, exact.contact(study, answer), {}, moved)
+    solved = {"contact": exact.contact(study, answer), "around": {}, "on_datum": moved}
+    screen = firstscreen.answered(study, "sensor", target, answer, solved)
     assert screen.reachable
     assert screen.title == "Largest voltage per load"
     assert said(screen.stops) == "Limited by tension behind the contact of 50 MPa."
@@ -105,7 +105,7 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
         for variable in answer.variables
     ]
     other = replace(answer, terms=(goal, *answer.terms[1:]), variables=tuple(variables))
-    changed = firstscreen.answered(study, "sensor", target, other, exact.contact(study, other), {}, moved)
+    changed = firstscreen.answered(study, "sensor", target, other, {**solved, "contact": exact.contact(study, other)})
     assert said(changed.build).endswith("; R = 50 mm")
     number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (screen, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
@@ -117,9 +117,9 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     )
     terms = (goal, replace(answer.terms[1], margin=0.3), tight)
     within = replace(answer, variables=tolerated, terms=terms)
-    assert "2 %" in asides.first_to_break(within)
-    assert asides.first_to_break(replace(answer, terms=(goal,))) == ""
-    missed = verdict(netcdf.read(folder / "impossible.nc"))
+    assert "2 %" in first_to_break(within)
+    assert first_to_break(replace(answer, terms=(goal,))) == ""
+    missed = verdict(netcdf.read(folder / "impossible.nc")).kind
     assert sentences.reached({"sensor": screen.verdict, "a b": missed}) == "A b is not reachable (1 of 2 targets)."
     assert sentences.reached({"sensor": screen.verdict}) == "The target is reachable."
 

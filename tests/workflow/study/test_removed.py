@@ -2,7 +2,10 @@
 
 import random
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from functools import reduce
 from itertools import combinations
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +17,7 @@ from solver.names import ALL_QUANTITIES
 from workflow.report import sections as page
 from workflow.run.provenance import ROOT
 from workflow.study import coupling, datum, model, partition, solvable
-from workflow.study.contents import Contents
-from workflow.study.keys import Origin
+from workflow.study.contents import Contents, Origin
 from workflow.study.reading import InputError, read_material, read_yaml
 
 STUDIES = sorted(ROOT.glob("config/*.yaml"))
@@ -65,14 +67,10 @@ def keys(content: Mapping[str, Any], depth: int, above: tuple[str, ...] = ()) ->
 
 def without(content: Mapping[str, Any], removed: tuple[tuple[str, ...], ...]) -> dict[str, Any]:
     """A copy without some keys."""
-    inner = {path[1:] for path in removed if len(path) > 1}
-    return {
-        name: without(value, tuple(path[1:] for path in removed if path[0] == name and len(path) > 1))
-        if inner and isinstance(value, Mapping)
-        else value
-        for name, value in content.items()
-        if (name,) not in removed
-    }
+    copy = deepcopy(dict(content))
+    for *above, name in sorted(removed, key=len, reverse=True):
+        del reduce(getitem, above, copy)[name]
+    return copy
 
 
 def removals(content: Mapping[str, Any]) -> list[tuple[tuple[str, ...], ...]]:

@@ -7,7 +7,6 @@ They go to the scenarios that decide what a term counts as; in all others the su
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +14,9 @@ from typing_extensions import override
 
 from approximation.arrays import Array, Indices
 from workflow.design.question.question import Question
+from workflow.design.question.risk import Key, Term
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Factors, Predicted, Source
-from workflow.design.question.terms import Key, Term
 
 Bools = NDArray[np.bool_]
 
@@ -86,16 +85,8 @@ def words(question: Question, cases: int, moved: bool) -> str:
     return f"{'' if question.study.kind.tabled else 'on the exact solver; '}{searched} led by the surrogate{shifted}"
 
 
-@dataclass(frozen=True)
-class Counted:
-    """Value of a term at a design, exact where it matters, and the number of searched cases."""
-
-    value: float
-    cases: int
-
-
-def count_exactly(design: Question, term: Term) -> Counted:
-    """Value of a term at one design over the scenarios of the verdict, with the deciding ones solved exactly.
+def count_exactly(design: Question, term: Term) -> tuple[float, int]:
+    """Value of a term at one design over the scenarios of the verdict, and the number of deciding ones solved exactly.
 
     The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
     the errors that the surrogate has shown, until none is left. Of films, the mean error of solved scenarios, the first
@@ -104,16 +95,16 @@ def count_exactly(design: Question, term: Term) -> Counted:
     Where very many scenarios decide, the few of the search are solved instead, and the surrogate says what the many
     change.
     """
-    many, few = design.judged[term.key], design.searched[term.key]
+    many, few = design.judged[term.measure.key], design.searched[term.measure.key]
     whole = design.value(design.predicted, many, term)
     if term.deciding(whole[0]).sum() <= _MOST_SCENARIOS:
         return _count_exactly(design, many, term, whole)
     part = design.value(design.predicted, few, term)
-    counted = _count_exactly(design, few, term, part)
-    return Counted(counted.value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), counted.cases)
+    value, cases = _count_exactly(design, few, term, part)
+    return value + float(term.counted(whole)[0]) - float(term.counted(part)[0]), cases
 
 
-def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: Array) -> Counted:
+def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: Array) -> tuple[float, int]:
     """Solve scenarios of predicted values (1, groups, draws) in batches until all that may decide are solved."""
     values, films = predicted.copy(), design.study.kind.tabled
     flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
@@ -125,7 +116,7 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
         # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
         missing = decides | ((distances <= 2 * error) & ~solved & (room > 0))
         if not missing.any():
-            return Counted(value, int(solved.sum()))
+            return value, int(solved.sum())
         most = max(room, int(decides.sum())) if films else chosen.count
         order = np.where(decides, -1.0, distances)
         batch = _batch(missing, solved, order, _BATCH_FILMS if films else _BATCH)[:most]

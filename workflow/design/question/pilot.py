@@ -11,9 +11,8 @@ from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver import units
 from workflow.design.question.question import Question
-from workflow.design.question.risk import WorstCase
+from workflow.design.question.risk import RelativeDeviation, Term, WorstCase
 from workflow.design.question.sources import Exact, Predicted
-from workflow.design.question.terms import Term
 from workflow.language.expressions import Call, Expression, Number, Operation, Power
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -50,10 +49,15 @@ def ask(
     spread = 0.0
     for place, term in enumerate(question.terms):
         label = f"design: {name}: {term.label!r}"
-        values = designs.value(predicted, question.searched[term.key], term)
+        values = designs.value(predicted, question.searched[term.measure.key], term)
         for divisor in _divisors(term.expression):
-            _check_pole(label, divisor, designs.value(predicted, corner, replace(term, expression=divisor)))
-        _check_values(label, question, term.measure.rows(values) if term.along else values)
+            ends = designs.value(predicted, corner, replace(term, expression=divisor))
+            if ends.min() <= 0 <= ends.max():
+                named = " and ".join(divisor.names())
+                raise InputError(f"{label} is unbounded: {named} in a divisor passes 0 in the ranges")
+        counted = term.measure.rows(values) if isinstance(term.measure, RelativeDeviation) else values
+        if not np.all(np.isfinite(counted)):
+            raise InputError(f"{label} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
         if place == 0:
             spread = float(np.ptp(values))
         if term.bound == 0:
@@ -65,16 +69,6 @@ def ask(
         if term.unitless:
             notes += unit_notes(label, term, values)
     return replace(question, scales=scales, pieces=pieces, spread=spread, notes=tuple(notes))
-
-
-def _check_pole(label: str, divisor: Expression, values: Array) -> None:
-    if values.min() <= 0 <= values.max():
-        raise InputError(f"{label} is unbounded: {' and '.join(divisor.names())} in a divisor passes 0 in the ranges")
-
-
-def _check_values(label: str, question: Question, values: Array) -> None:
-    if not np.all(np.isfinite(values)):
-        raise InputError(f"{label} is not defined everywhere within the ranges of {', '.join(question.inputs)}")
 
 
 def _pilot(d: int, scenarios: int) -> Array:

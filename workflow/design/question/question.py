@@ -13,14 +13,12 @@ from surrogate import Input
 from surrogate.search.optimise import Problem
 from workflow.dataset import factorial
 from workflow.design.question import scenarios
-from workflow.design.question.risk import RelativeDeviation
+from workflow.design.question.risk import Key, Quantile, RelativeDeviation, RiskMeasure, Term, WorstCase, measure
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Factors, Predicted, Source, shape
-from workflow.design.question.terms import Deviation, Key, Term, limited, wanted
 from workflow.language.constants import CONSTANTS
 from workflow.language.expressions import Expression
-from workflow.language.statements import Statement
-from workflow.language.statistics import Worst
+from workflow.language.statements import Limit, Objective
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
@@ -78,32 +76,41 @@ class Question:
     @cached_property
     def terms(self) -> list[Term]:
         """Objectives first, then the limits in the study's order."""
-        target = self.target
-        statistic = target.statistic if target.random else Worst()
-        drawn = bool(target.random)
-        return [wanted(objective, statistic, self._deviation(objective)) for objective in target.objectives] + [
-            limited(
-                limit,
-                self.scales.get(str(limit), 1.0),
-                limit.value * (self.study.constant(limit.allowable) if limit.allowable else 1.0),
-                self._deviation(limit),
-                drawn=drawn,
-            )
-            for limit in target.limits
-        ]
+        terms = [Term(str(goal), goal.expression, goal.sign, self._measure(goal)) for goal in self.target.objectives]
+        for limit in self.target.limits:
+            bound = limit.value * (self.study.constant(limit.allowable) if limit.allowable else 1.0)
+            scale = abs(bound) or self.scales.get(str(limit), 1.0)
+            counted = self._measure(limit)
+            terms.append(Term(str(limit), limit.expression, limit.sign, counted, bound, scale, limit.unitless))
+        return terms
 
-    def _deviation(self, statement: Statement) -> Deviation | None:
-        """Factors over which a statement's deviation is taken, with the weights of its means; None without one."""
-        if not statement.deviation:
-            return None
-        names = self.target.deviating(statement)
-        sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, self._judged_nodes)]
-        return Deviation(names, RelativeDeviation({len(weights): weights for weights in sets}))
+    def _measure(self, statement: Objective | Limit) -> RiskMeasure:
+        """Risk measure of a statement; that of a deviation has the weights of its means over each set of scenarios."""
+        if statement.deviation:
+            names = self.target.deviating(statement)
+            sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, self._judged_nodes)]
+            return RelativeDeviation({len(weights): weights for weights in sets}, names)
+        if not self.target.random:
+            return WorstCase()
+        if isinstance(statement, Objective):
+            return measure(self.target.statistic, statement.sign)
+        share = statement.probability
+        return WorstCase() if share is None else Quantile(share if statement.upper else 1 - share)
 
     @cached_property
     def objectives(self) -> int:
         """Number of objectives, which come first among the terms."""
         return sum(not term.limited for term in self.terms)
+
+    @cached_property
+    def limits(self) -> list[Term]:
+        """Terms of the limits."""
+        return self.terms[self.objectives :]
+
+    def excess(self, counts: Array) -> Array:
+        """Relative excess of every limit from values of all terms: (..., terms) -> (..., limit)."""
+        columns = [term.oriented(counts[..., self.objectives + k]) for k, term in enumerate(self.limits)]
+        return np.stack(columns, -1) if columns else np.empty((*counts.shape[:-1], 0))
 
     @cached_property
     def searched(self) -> dict[Key, Scenarios]:
@@ -123,14 +130,14 @@ class Question:
     def _scenarios(self, nodes: dict[int, int], drawn: int) -> dict[Key, Scenarios]:
         """All sets of scenarios, each with the terms that count over it."""
         sets: dict[Key, Scenarios] = {False: scenarios.corners(self.target, nodes)}
-        for key in dict.fromkeys(term.key for term in self.terms):
+        for key in dict.fromkeys(term.measure.key for term in self.terms):
             if isinstance(key, tuple):
                 sets[key] = scenarios.along(self.target, key, nodes)
             elif key:
                 sets[key] = scenarios.draws(self.target, drawn)
         placed = list(enumerate(self.terms))
         return {
-            key: replace(chosen, terms={place: term for place, term in placed if term.key == key})
+            key: replace(chosen, terms={place: term for place, term in placed if term.measure.key == key})
             for key, chosen in sets.items()
         }
 
@@ -145,8 +152,7 @@ class Question:
     @cached_property
     def inequality(self) -> Array:
         """1 for a limit that a design can keep away from, 0 for one of a pair that is an equality; (limit,)."""
-        limits = [term for term in self.terms if term.limited]
-        return np.array([float(not any(term.meets(other) for other in limits)) for term in limits])
+        return np.array([float(not any(term.meets(other) for other in self.limits)) for term in self.limits])
 
     def factors(self, chosen: Scenarios) -> Factors:
         """Every factor of the factorial, over (designs, scenarios)."""
@@ -158,10 +164,14 @@ class Question:
             values[name] = values[name] * (1 + share * offsets) + absolute * offsets
         return {name: values[name] for name in self.study.factors}
 
-    def factors_of(self, values: Array) -> Factors:
-        """Factors at the corner set (verdict or search) whose size matches `values`."""
+    def factor(self, name: str, like: Array) -> Array | None:
+        """A factor over the corner set (verdict or search) whose size matches `like`; None where it is no number."""
         sets = (self.judged[False], self.searched[False])
-        return self.factors(next((chosen for chosen in sets if chosen.count == values.shape[-1]), sets[0]))
+        factors = self.factors(next((chosen for chosen in sets if chosen.count == like.shape[-1]), sets[0]))
+        if name in factors:
+            return factors[name]
+        held = self.study.held(name)
+        return np.full((1, 1), float(held)) if isinstance(held, float | int) else None
 
     def values(self, source: Source, chosen: Scenarios, terms: Sequence[Term]) -> list[Array]:
         """Expressions of some terms, (designs, groups, draws) each."""

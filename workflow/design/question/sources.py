@@ -51,11 +51,6 @@ class Exact(Source):
         self._study = study
         self._solved: dict[tuple[float, ...], dict[str, float]] = {}  # costly cases by their factors
 
-    @property
-    def quantities(self) -> list[str]:
-        """Every quantity that the study's cases have."""
-        return self._study.quantities
-
     @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         if self._study.costly.isdisjoint(names):
@@ -70,7 +65,8 @@ class Exact(Source):
         missing = list(dict.fromkeys(row for row in rows if not self._solved.get(row, {}).keys() >= {*names}))
         if missing:
             anew = dict(zip(over, np.array(missing).T[:, None], strict=True))
-            together = [name for name in self.quantities if name not in ALL_PEAKS]  # a case has them all at one price
+            # a case has all of them at one price
+            together = [name for name in self._study.quantities if name not in ALL_PEAKS]
             solved = self._anew(anew, together if {*together} >= {*names} else names)
             cases = np.stack([np.broadcast_to(values, (1, len(missing)))[0] for values in solved.values()], -1)
             for row, case in zip(missing, cases.tolist(), strict=True):

@@ -1,19 +1,23 @@
-"""Polish of candidates on the exact solver: limits are shifted until a design stands its verdict."""
+"""The best design of one choice, and its polish on the exact solver: limits are shifted until it stands its verdict."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Array
+from surrogate.search.optimise import Optimum, Problem, improve, maximise, retreat
+from surrogate.search.pareto import Front, scalarised
 from workflow.design.question import costly
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Source
-from workflow.design.search.candidate import Candidate
 from workflow.design.verdict import assessment
-from workflow.design.verdict.answer import ROOM
-from workflow.design.verdict.term import ROUNDING
+from workflow.design.verdict.answer import ROOM, ROUNDING
+from workflow.language import titles
 
+_SMALL = 1e-3  # share of its range below which an objective is no scale of its own
+_NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)
 _ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
 _SAFETY = 1e-10  # relative safety margin, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
@@ -23,13 +27,74 @@ _LOST = 1e-6  # share of the objective that safety margins may cost
 _RETREATS = 3  # steps back behind limits that many more scenarios judge
 
 
-def first_feasible(ranked: list[Candidate]) -> Candidate:
+@dataclass(frozen=True)
+class Candidate:
+    """The best design of one choice, as far as the search for it has come."""
+
+    choice: dict[str, float | str]  # Values of the variables with a list, and names of the categories
+    question: Question  # for this choice
+    best: Optimum = _NOTHING  # The best design
+    front: Front | None = None  # The Pareto front, where there are several objectives
+    normalisation: tuple[Array, Array] | None = None  # Reference and weights of the one objective that stands for them
+    # How the best design was polished, and in how many cases that are searched for
+    polish: str = ""
+    cases: int = 0
+    # Better choices by the surrogate, none of whose designs keeps every limit on the exact solver
+    passed: "tuple[Candidate, ...]" = ()
+
+    @property
+    def design(self) -> Question:
+        """The question at the best design."""
+        return self.question.at(self.best.x)
+
+    @property
+    def words(self) -> str:
+        """The choice in words: names as they are, numbers with theirs."""
+        return ", ".join(
+            value if isinstance(value, str) else f"{titles.title(key)} {titles.value(key, value, 4)}"
+            for key, value in self.choice.items()
+            if key in self.question.target.variables
+        )
+
+    def problem(self, source: Source, safety: Array | None = None) -> Problem:
+        """The optimiser's question with safety margins, (limits,); several objectives as the fronts' compromise."""
+        problem = self.question.problem(source, safety)
+        if self.normalisation is None:
+            return problem
+        return scalarised(problem, self.question.objectives, *self.normalisation)
+
+    def sought(self, source: Source) -> "Candidate":
+        """The best design of the whole box."""
+        return replace(self, best=maximise(self.problem(source), scan=self.question.scan))
+
+    def improved(self, source: Source, safety: Array) -> "Candidate":
+        """The best design near this one, with a safety margin to every limit; safety: (limits,), relative margins."""
+        best = self.best
+        return replace(self, best=improve(self.problem(source, safety), best.x, self.size(best.objective)))
+
+    def retreated(self, source: Source, safety: Array) -> "Candidate":
+        """The nearest design behind the limits with their safety margins; safety: (limits,), relative margins."""
+        problem = self.problem(source, safety)
+        return replace(self, best=replace(self.best, x=retreat(problem, self.best.x))).counted(source)
+
+    def counted(self, source: Source) -> "Candidate":
+        """The same design, with what it comes to on another source."""
+        objective, excess = (rows[0] for rows in self.problem(source).value(self.best.x[None]))
+        return replace(self, best=replace(self.best, objective=float(objective.min()), excess=excess))
+
+    def size(self, objective: float) -> float:
+        """Scale of the objective at a value; next to zero, a share of its range."""
+        spread = self.question.spread if self.normalisation is None else 1.0
+        return max(abs(objective), _SMALL * spread) or 1.0
+
+
+def first_feasible(candidates: Iterable[Candidate]) -> Candidate:
     """The best choice that stays feasible on the exact solver, or else the first one, polished.
 
     Better choices that no polish brings within their limits are told in its words and kept in ``passed``.
     """
     passed: list[Candidate] = []
-    for candidate in ranked:
+    for candidate in sorted(candidates, key=_rank, reverse=True):
         polished = _cheapest(_polish(candidate))
         if polished.best.feasible:
             return replace(polished, passed=tuple(passed), polish="; ".join([polished.polish, *map(_missed, passed)]))
@@ -39,13 +104,17 @@ def first_feasible(ranked: list[Candidate]) -> Candidate:
     return passed[0]
 
 
+def _rank(candidate: Candidate) -> tuple[bool, float]:
+    """Feasible before infeasible; then the objective, or the least violation."""
+    best = candidate.best
+    return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
+
+
 def _missed(passed: Candidate) -> str:
     """Why a choice that is better by the surrogate is not taken."""
-    limits = [term for term in passed.question.terms if term.limited]
     excess = _excess(passed.design, costly.affordable(passed.question)).judged
-    return (
-        f"{passed.words} is better and not taken: it misses {limits[excess.argmax()].label} by {excess.max():.2g} of it"
-    )
+    missed = passed.question.limits[excess.argmax()].label
+    return f"{passed.words} is better and not taken: it misses {missed} by {excess.max():.2g} of it"
 
 
 @dataclass(frozen=True)
@@ -74,10 +143,9 @@ class _Excess:
 
 
 def _excess(design: Question, source: Source) -> _Excess:
-    limits = [term for term in design.terms if term.limited]
-    values, cases = assessment.exactly(design, limits)
-    judged = [float(term.oriented(value)) for term, value in zip(limits, values, strict=True)]
-    return _Excess(np.array(judged), assessment.excesses(design, source), cases)
+    values, cases = assessment.exactly(design, design.limits)
+    judged = [float(term.oriented(value)) for term, value in zip(design.limits, values, strict=True)]
+    return _Excess(np.array(judged), design.excess(design.count(source, design.searched)[0]), cases)
 
 
 def _polish(candidate: Candidate) -> Candidate:
@@ -155,12 +223,9 @@ def _cheapest(candidate: Candidate) -> Candidate:
     question, design, x = candidate.question, candidate.design, candidate.best.x.copy()
     if not candidate.best.feasible or question.objectives > 1 or costly.asked(question):
         return candidate
-    limited = np.array([place for place, term in enumerate(question.terms) if term.limited], dtype=np.intp)
 
     def excess(points: Array) -> Array:
-        counts = design.at(points).count(design.exact, question.judged)
-        rows = [question.terms[place].oriented(counts[:, place]) for place in limited]
-        return np.stack(rows, -1) if rows else np.empty((len(points), 0))
+        return question.excess(design.at(points).count(design.exact, question.judged))
 
     room = np.maximum(excess(x[None])[0], -ROOM)
     for column in range(len(x)):

@@ -1,6 +1,6 @@
 """Design: the best factors under limits, found on the surrogate, polished and judged exactly; tolerances' cost."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any
@@ -18,12 +18,10 @@ from workflow.design.question.pilot import ask
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import contact_fields, polish
-from workflow.design.search.candidate import Candidate
+from workflow.design.search.polish import Candidate
 from workflow.design.verdict import assessment, leftout
-from workflow.design.verdict.answer import Answer, Category, Choice, Tolerated
+from workflow.design.verdict.answer import ROUNDING, Answer, Category, Choice, Role, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS
-from workflow.design.verdict.term import ROUNDING
-from workflow.design.verdict.variable import Role
 from workflow.language.factors import FACTORS
 from workflow.study.categories import output
 from workflow.study.model import Study
@@ -76,10 +74,7 @@ def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
     wanted, sets = designs.objectives, designs.searched
     exact, guessed = (designs.count(source, sets) for source in (costly.affordable(designs), designs.predicted))
     exact = costly.corrected(designs, exact, columns)
-    excess = np.stack(
-        [term.oriented(exact[:, k]) for k, term in enumerate(designs.terms) if term.limited] or [np.zeros(len(exact))]
-    )
-    feasible = np.flatnonzero(excess.max(0) <= _KEPT)
+    feasible = np.flatnonzero(designs.excess(exact).max(1, initial=-np.inf) <= _KEPT)
     variables = designs.at(designs.x[feasible]).variables | {
         name: np.full(feasible.size, value) for name, value in designs.held.items() if name in designs.target.variables
     }
@@ -105,8 +100,6 @@ def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
 
 _TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
 
-#: A question for another target, with the choices of a design.
-Asked = Callable[[Target], Question]
 _MAP, _COARSE, _COARSEST = 81, 41, 17  # points a side of the map; fewer where every point stands for many draws
 _MANY = 128  # scenarios a point from which the map is coarse
 _SLICE = 121  # points of a slice
@@ -124,7 +117,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> A
     """Answer any target on the study's factors; see `solve_target`."""
     several = len(target.objectives) > 1
     candidates = _candidates(study, name, target, model)
-    best = polish.first_feasible(sorted(candidates, key=lambda candidate: _rank(candidate.best), reverse=True))
+    best = polish.first_feasible(candidates)
     judged = assessment.judge(best.design)
     if judged.outside and not target.allow_outside_interval:
         raise InputError(f"design: {name}: {judged.outside}; allow_outside_interval: true would accept it")
@@ -174,13 +167,8 @@ def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best
     if costly.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = near(best, _asked(study, name, nominal, model, best.choice))
     else:
-        others = _candidates(study, name, nominal, model)
-        without = polish.first_feasible(sorted(others, key=lambda candidate: _rank(candidate.best), reverse=True))
-
-    def asked(other: Target) -> Question:
-        return replace(best.question, target=other)
-
-    return costs(best, without, asked)
+        without = polish.first_feasible(_candidates(study, name, nominal, model))
+    return costs(best, without)
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
@@ -202,11 +190,6 @@ def _asked(
     wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
     narrowed, predicted = study.narrowed(categories), Predicted(model.only(wanted) if wanted else model, categories)
     return Candidate(choice, ask(narrowed, name, target, predicted, Exact(narrowed), held))
-
-
-def _rank(best: Optimum) -> tuple[bool, float]:
-    """Feasible before infeasible; then the objective, or the least violation."""
-    return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
 
 
 def _climbed(candidate: Candidate) -> Candidate:
@@ -264,16 +247,15 @@ def without_tolerances(target: Target) -> Target:
     return target.model_copy(update={"tolerance": {}})
 
 
-def costs(best: Candidate, without: Candidate, question_for: Asked) -> Tolerated:
+def costs(best: Candidate, without: Candidate) -> Tolerated:
     """Cost of the tolerances of the best design against the one without tolerances."""
     target, design = best.question.target, without.design
-    whole = _reached(best, question_for(target))
+    whole = _reached(best, target.tolerance)
     cost, gain = dict[str, float](), dict[str, float]()
     for name in target.tolerance:
         others = {key: reach for key, reach in target.tolerance.items() if key != name}
-        cost[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": others}))), whole)
-        tighter = {**target.tolerance, name: _tightened(target, name)}
-        gain[name] = _share(_reached(best, question_for(target.model_copy(update={"tolerance": tighter}))), whole)
+        cost[name] = _share(_reached(best, others), whole)
+        gain[name] = _share(_reached(best, {**target.tolerance, name: _tightened(target, name)}), whole)
     values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
     exact, _ = assessment.exactly(design, design.terms[:1])
     named = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
@@ -294,9 +276,10 @@ def near(best: Candidate, other: Candidate) -> Candidate:
     return replace(other, best=improve(problem, np.clip(start, -1, 1), best.size(best.best.objective)))
 
 
-def _reached(best: Candidate, question: Question) -> float:
+def _reached(best: Candidate, tolerance: Mapping[str, float | str]) -> float:
     """The goal near a design under other tolerances, on the surrogate."""
-    nearby = near(best, replace(best, question=question)).best
+    target = best.question.target.model_copy(update={"tolerance": tolerance})
+    nearby = near(best, replace(best, question=replace(best.question, target=target))).best
     return nearby.objective if nearby.feasible else np.nan
 
 

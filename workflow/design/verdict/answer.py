@@ -2,19 +2,176 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from functools import cached_property
 from typing import Annotated
 
+import numpy as np
 import xarray as xr
 
+from workflow.design.question.risk import BINDS
 from workflow.design.verdict.leftout import LeftOut
-from workflow.design.verdict.term import Scenario, Term
-from workflow.design.verdict.variable import Role, Variable
+from workflow.language import titles
+from workflow.language.numbers import number, shown
 from workflow.language.statements import Limit, Objective
 
 #: Margin that a variable which does not matter leaves to every limit.
 ROOM = 0.01
 _PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
+#: Every factor of the factorial in one case, in SI.
+Scenario = Mapping[str, float]
+
+#: Excess over a limit's scale that counts as none: rounding of the exact solver, which is good to 4e-14.
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Term:
+    """A judged objective or limit; all numbers are in its unit."""
+
+    statement: Objective | Limit  # The objective or the limit, as the study states it
+    predicted: Annotated[float, "predicted term, over its unit in units"]
+    predicted_std: Annotated[float, "predicted standard deviation of the term, over its unit in units"]
+    half: Annotated[float, "half of the interval of the predicted term, over its unit in units"]
+    exact: Annotated[float, "exact term, over its unit in units"]
+    inside: Annotated[bool, "whether the exact term lies inside the predicted interval"]
+    # NaN for an objective
+    limit: Annotated[float, "limit of the term, over its unit in units"]
+    margin: Annotated[float, "share of the limit that is left; negative beyond it"]
+    units: Annotated[str, "unit of the term"]
+    bound: Annotated[str, "what of a material the limit is, if it names that"]
+    source: Annotated[str, "where that comes from"]
+    worst: Annotated[Scenario, "factor in the scenario that decides the term, over its SI unit"]
+    effect: Annotated[tuple[float, ...], "relative change of the term by one standard deviation of the constant"] = ()
+    spread: Annotated[
+        float, "standard deviation of the term by all uncertain constants, over the term; to first order"
+    ] = np.nan
+
+    @property
+    def name(self) -> str:
+        """Text of the objective or limit as the study writes it."""
+        return str(self.statement)
+
+    @property
+    def broken(self) -> bool:
+        """Return whether it is a violated limit."""
+        return self.margin < -ROUNDING
+
+    @property
+    def binds(self) -> bool:
+        """Return whether it is a limit with next to no margin."""
+        return self.margin < BINDS
+
+    @property
+    def error(self) -> float:
+        """Relative error of the surrogate; NaN where the exact value is zero."""
+        return abs(self.predicted / self.exact - 1) if self.exact else np.nan
+
+    @property
+    def title(self) -> str:
+        """Wanted or bounded expression in words."""
+        return titles.stated(self.statement)
+
+    @property
+    def shown_units(self) -> str:
+        """The unit in which its values are told: deviations are shares."""
+        return titles.units(self.statement, self.units)
+
+    def shown(self, value: float, digits: int = 3) -> str:
+        """One of its values with the unit."""
+        return shown(value, self.shown_units, digits)
+
+    @property
+    def at(self) -> str:
+        """The bound, and whose it is."""
+        assert isinstance(self.statement, Limit)
+        share = f"{number(100 * self.statement.value, 3)} % of " if self.statement.value != 1 else ""
+        bound = self.bound.replace(" (", "; ").removesuffix(")")  # what is in brackets already, within ours
+        return f"{self.shown(self.limit)}{f' ({share}the {bound})' if bound else ''}"
+
+    @property
+    def words(self) -> str:
+        """The limit with its bound."""
+        assert isinstance(self.statement, Limit)
+        chance = self.statement.probability
+        promised = f" with probability {chance:g}" if chance is not None else ""
+        return f"{self.title} of {self.at}{promised}"
+
+
+class Role(StrEnum):
+    """Role of a factor or a category in a design."""
+
+    VARIABLE = "variable"
+    WORST_CASE = "worst case"
+    UNCERTAIN = "uncertain"
+    GIVEN = "given"
+
+
+class End(StrEnum):
+    """An end of a range: of the studied one, or of the part of it that was asked for."""
+
+    UPPER = "upper end of the studied range"
+    LOWER = "lower end of the studied range"
+    UPPER_ASKED = "upper end of the range asked for"
+    LOWER_ASKED = "lower end of the range asked for"
+
+    @classmethod
+    def of(cls, *, upper: bool, studied: bool) -> "End":
+        """The end of that side and range."""
+        if upper:
+            return cls.UPPER if studied else cls.UPPER_ASKED
+        return cls.LOWER if studied else cls.LOWER_ASKED
+
+    @property
+    def outward(self) -> float:
+        """1 at an upper end, -1 at a lower one."""
+        return 1.0 if self in (End.UPPER, End.UPPER_ASKED) else -1.0
+
+    @property
+    def words(self) -> str:
+        """The end in a sentence about its variable."""
+        range_words = " of the range asked for" if self in (End.UPPER_ASKED, End.LOWER_ASKED) else " of its range"
+        return f"the {'upper' if self.outward > 0 else 'lower'} end{range_words}"
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Effects of small errors in building one variable."""
+
+    elasticity: Annotated[tuple[float, ...], "relative change of the term for a relative change of the factor"]
+    cost: Annotated[float, "share of the objective lost by an error of 1 % in the factor"] = np.nan
+    loss: Annotated[float, "what an error of 1 % in the factor takes from the objective, over its unit in units"] = (
+        np.nan
+    )
+    matters: Annotated[bool, "whether an error of 1 % in the factor changes any objective"] = True
+    margin_left: Annotated[float, "least margin of all limits after an error of 1 % in the factor"] = np.nan
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A factor of the design, chosen or given."""
+
+    name: str  # Of the factor
+    value: Annotated[float, "factor of the design, over its SI unit"]
+    role: Annotated[Role, "what the factor is in the design"]
+    sensitivity: Sensitivity  # What small errors in it make of the design
+    tolerance: Annotated[str, "how far the factor may be off as built"] = ""
+    edge: Annotated[End | None, "which end of its range the factor stands at, if any"] = None
+
+    @property
+    def chosen(self) -> bool:
+        """Return whether the design chooses the factor."""
+        return self.role == Role.VARIABLE
+
+    @property
+    def title(self) -> str:
+        """The factor in words."""
+        return titles.title(self.name)
+
+    @property
+    def words(self) -> str:
+        """Value with its unit."""
+        return titles.value(self.name, self.value)
 
 
 @dataclass(frozen=True)

@@ -12,15 +12,12 @@ from solver.units import written
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
-from workflow.design.question.risk import WorstCase
+from workflow.design.question.risk import Key, Term, WorstCase
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Predicted, Source, shape
-from workflow.design.question.terms import Key, Term
-from workflow.design.verdict import answer, linearity, merit
-from workflow.design.verdict.answer import Answer, Range
-from workflow.design.verdict.term import Scenario
-from workflow.design.verdict.term import Term as JudgedTerm
-from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
+from workflow.design.verdict import linearity, merit
+from workflow.design.verdict.answer import Answer, Constant, End, Range, Role, Scenario, Sensitivity, Variable
+from workflow.design.verdict.answer import Term as JudgedTerm
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit, Objective
@@ -36,19 +33,6 @@ _ELASTIC_STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable
 _SHARES = 1 + np.array([-_ELASTIC_STEP, _ELASTIC_STEP, -_ERROR, _ERROR])
 _NOTHING = 1e-9  # share of the goal that counts as no change
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Relative changes of each term by one standard deviation of each constant."""
-
-    constants: tuple[answer.Constant, ...]  # Of the materials
-    effects: Array  # Relative changes of the terms, (terms, constants)
-
-    @property
-    def whole(self) -> Array:
-        """Root of the sum of the squares, (terms,); NaN without a constant."""
-        return np.sqrt((self.effects**2).sum(1)) if self.constants else np.full(len(self.effects), np.nan)
 
 
 @dataclass(frozen=True)
@@ -69,25 +53,18 @@ def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
     values, cases = [], 0
     for term in terms:
         if costly.names(design, term):
-            counted = costly.count_exactly(design, term)
-            values.append(counted.value)
-            cases += counted.cases
+            value, searched = costly.count_exactly(design, term)
+            cases += searched
         else:
-            values.append(float(term.counted(design.value(design.exact, design.judged[term.key], term))[0]))
+            value = float(term.counted(design.value(design.exact, design.judged[term.measure.key], term))[0])
+        values.append(value)
     return np.array(values), cases
 
 
-def excesses(design: Question, source: Source) -> Array:
-    """Relative excess of every limit at one design over the scenarios of the search; (k,)."""
-    terms, counts = design.terms, design.count(source, design.searched)[0]
-    return np.array([float(t.oriented(value)) for t, value in zip(terms, counts, strict=True) if t.limited])
-
-
 def doubts(design: Question) -> Array:
-    """Half of the 95 % interval of every limited term at one design, over its scale; (k,)."""
-    terms, reaches = design.terms, predict(design, design.searched).reaches
-    scaled = [reach / term.scale for term, reach in zip(terms, reaches, strict=True) if term.limited]
-    return np.array(scaled).reshape(-1)
+    """Half of the 95 % interval of every limited term at one design, over its scale; (limit,)."""
+    scales = np.array([term.scale for term in design.limits])
+    return np.asarray(predict(design, design.searched).reaches[design.objectives :] / scales)
 
 
 def predict(design: Question, sets: Mapping[Key, Scenarios]) -> Prediction:
@@ -95,7 +72,7 @@ def predict(design: Question, sets: Mapping[Key, Scenarios]) -> Prediction:
     values, scenarios = [], []
     errors: list[tuple[float, float]] = []
     for term in design.terms:
-        chosen = sets[term.key]
+        chosen = sets[term.measure.key]
         rows = design.value(design.predicted, chosen, term)
         slopes = term.slopes(rows[0])
         values.append(float(term.counted(rows)[0]))
@@ -125,12 +102,12 @@ def judge(design: Question) -> Answer:
     corner = _corners(design)
     worst = [_case(design, term, scenario) for term, scenario in zip(terms, guessed.scenarios, strict=True)]
     beyond = linearity.beyond(design.study, corner, _field_below(design, corner))
-    thickness = _thickness(design, corner)
+    thickness = design.factor("thickness", corner["depth"]) if "depth" in corner else None
     beyond += linearity.beyond_small_strain(design.study, corner, _radius(design, corner), thickness)
     notes = [*(words for words, _ in beyond), *_flags(design, corner), *design.notes]
-    spreads = spread(design, worst)
+    constants, effects = spread(design, worst)
     out = Answer(
-        terms=_terms(design, guessed, exact, worst, spreads),
+        terms=_terms(design, guessed, exact, worst, effects),
         variables=_variables(design, exact, worst[0]),
         ranges=tuple(Range(name, float(values.min()), float(values.max())) for name, values in corner.items()),
         beyond="; ".join(f"{words} ({reason})" for words, reason in beyond),
@@ -138,42 +115,41 @@ def judge(design: Question) -> Answer:
         flags="; ".join(notes),
         statistic=str(design.target.statistic),
         figures=merit.over(design, corner),
-        constants=spreads.constants,
+        constants=constants,
     )
     return replace(out, overload=merit.first_limit(design, worst)) if out.feasible else out
 
 
 def _terms(
-    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], spreads: Spread
+    design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], effects: Array
 ) -> tuple[JudgedTerm, ...]:
-    """Return the judged terms of one design."""
-    terms = design.terms
-    stated: list[Objective | Limit] = [*design.target.objectives, *design.target.limits]
+    """Return the judged terms of one design; effects: of the constants on the terms, (terms, constants)."""
     half = guessed.reaches + tolerances(design)
     inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
-    margins = [term.sign * (term.bound - value) / term.scale for term, value in zip(terms, exact, strict=True)]
-    bounds = [
-        linearity.bound(design.study, statement) if isinstance(statement, Limit) else ("", "") for statement in stated
-    ]
-    return tuple(
-        JudgedTerm(
-            statement=stated[k],
-            predicted=float(guessed.values[k]),
-            predicted_std=float(guessed.stds[k]),
-            half=float(half[k]),
-            exact=float(exact[k]),
-            inside=bool(inside[k]),
-            limit=term.bound,
-            margin=float(margins[k]),
-            units=term.units,
-            bound=bounds[k][0],
-            source=bounds[k][1],
-            worst=worst[k],
-            effect=tuple(spreads.effects[k].tolist()),
-            spread=float(spreads.whole[k]),
+    judged = []
+    stated: list[Objective | Limit] = [*design.target.objectives, *design.target.limits]
+    for k, statement in enumerate(stated):
+        term = design.terms[k]
+        bound, source = linearity.bound(design.study, statement) if isinstance(statement, Limit) else ("", "")
+        judged.append(
+            JudgedTerm(
+                statement=statement,
+                predicted=float(guessed.values[k]),
+                predicted_std=float(guessed.stds[k]),
+                half=float(half[k]),
+                exact=float(exact[k]),
+                inside=bool(inside[k]),
+                limit=term.bound,
+                margin=float(term.sign * (term.bound - exact[k]) / term.scale),
+                units=term.units,
+                bound=bound,
+                source=source,
+                worst=worst[k],
+                effect=tuple(effects[k].tolist()),
+                spread=float(np.sqrt((effects[k] ** 2).sum())) if effects[k].size else np.nan,
+            )
         )
-        for k, term in enumerate(terms)
-    )
+    return tuple(judged)
 
 
 def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variable, ...]:
@@ -199,7 +175,7 @@ def _corners(design: Question) -> dict[str, Array]:
     """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
     out: dict[str, Array] = {}
     for sets, slow in ((design.judged, False), (design.searched, True)):
-        names = [name for name in design.exact.quantities if (name in design.study.costly) == slow]
+        names = [name for name in design.study.quantities if (name in design.study.costly) == slow]
         out |= design.exact.values(design.factors(sets[False]), names) if names else {}
     return out
 
@@ -230,7 +206,7 @@ def tolerances(design: Question) -> Array:
     sizes = allowances(design.study, design.predicted, names)
     out = []
     for term in terms:
-        chosen = design.searched[term.key]
+        chosen = design.searched[term.measure.key]
         weights = term.weights(design.value(design.predicted, chosen, term)[0])
         partials = _partials(design, chosen, term)
         out.append(
@@ -241,7 +217,7 @@ def tolerances(design: Question) -> Array:
 
 def _case(design: Question, term: Term, scenario: int) -> dict[str, float]:
     """Every factor of the factorial in one scenario of a term's verdict on one design."""
-    factors = design.factors(design.judged[term.key])
+    factors = design.factors(design.judged[term.measure.key])
     return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
 
 
@@ -270,22 +246,9 @@ def _edges(design: Question) -> dict[str, End]:
 
 def _radius(design: Question, corner: Mapping[str, Array]) -> Array | None:
     """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
-    fixed = design.study.fixed
-    if "radius" not in PROFILES[str(fixed.get("profile", CHOICES["profile"][0]))].needs:
+    if "radius" not in PROFILES[str(design.study.fixed.get("profile", CHOICES["profile"][0]))].needs:
         return None
-    factors = design.factors_of(corner[design.study.kind.ends[0]])
-    return factors["radius"] if "radius" in factors else np.full((1, 1), float(fixed["radius"]))
-
-
-def _thickness(design: Question, corner: Mapping[str, Array]) -> Array | None:
-    """Thickness of the film over the scenarios; None without one."""
-    if "depth" not in corner:
-        return None
-    factors = design.factors_of(corner["depth"])
-    held = design.study.held("thickness")
-    if "thickness" in factors:
-        return factors["thickness"]
-    return np.full((1, 1), float(held)) if isinstance(held, float | int) else None
+    return design.factor("radius", corner[design.study.kind.ends[0]])
 
 
 def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
@@ -343,18 +306,17 @@ def _effects(
     wanted, erred = question.objectives, around[2:]
     loss = max(float((question.terms[0].sign * (nominal_counts[0] - erred[:, 0])).max()), 0.0)
     same = np.abs(erred - nominal_counts) <= _NOTHING * np.maximum(np.abs(nominal_counts), largest)
-    margins = [-term.oriented(erred[:, k]) for k, term in enumerate(question.terms) if term.limited]
     return Sensitivity(
         elasticity=tuple(elasticity.tolist()),
         cost=float(loss / abs(whole[0])),
         loss=loss,
         matters=not np.all(same[:, :wanted]),
-        margin_left=float(np.min(margins)) if margins else np.nan,
+        margin_left=float(np.min(-question.excess(erred))) if question.limits else np.nan,
     )
 
 
-def spread(design: Question, worst: Sequence[Scenario]) -> Spread:
-    """First-order spread of the terms of one design by the constants of its materials.
+def spread(design: Question, worst: Sequence[Scenario]) -> tuple[tuple[Constant, ...], Array]:
+    """Constants of a design's materials, and relative changes of the terms by a standard deviation of each.
 
     Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself in the case that
     decides a term; the design stays as it is. Constants are independent a priori, so that their effects add as squares.
@@ -363,14 +325,14 @@ def spread(design: Question, worst: Sequence[Scenario]) -> Spread:
     try:
         constants = uncertainty.uncertain(design.study)
     except InputError:  # a material whose constants follow its composition
-        return Spread((), np.empty((len(design.terms), 0)))
+        return (), np.empty((len(design.terms), 0))
     effects = np.full((len(design.terms), len(constants)), np.nan)
     places = [k for k, term in enumerate(design.terms) if _tells(design.study, term)]
     terms, cases = [design.terms[k] for k in places], [worst[k] for k in places]
     effects[places] = uncertainty.sensitivities(
         design.study, constants, lambda varied_study: _case_values(design, varied_study, terms, cases)
     )
-    return Spread(tuple(answer.Constant(constant.name, constant.prior) for constant in constants), effects)
+    return tuple(Constant(constant.name, constant.prior) for constant in constants), effects
 
 
 def _tells(study: Study, term: Term) -> bool:

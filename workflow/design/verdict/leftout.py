@@ -185,13 +185,6 @@ class SolvedCase:
             return None
 
     @property
-    def collecting(self) -> float:
-        """Radius, or half of the width, of what collects the charge [m]: a pad, else the punch's contact."""
-        if "patch_size" in self.factors:
-            return min(float(self.factors["patch_size"]) / 2, SUPPORT)
-        return SUPPORT if "electrode_charge_per_force" in self.solved else self.half
-
-    @property
     def shown_band(self) -> float:
         """The printed band, or the least that published constants differ by."""
         return self.band if self.band > 0 else USUAL
@@ -257,14 +250,10 @@ def _effect(
     return LeftOut(name, moves, size, matters, units, share, share / case.shown_band, brief, words)
 
 
-def _unknown(case: SolvedCase, name: str, moves: str, units: str, brief: str) -> LeftOut:
-    """An effect without a figure."""
+def _unknown(case: SolvedCase, name: str, moves: str, units: str, brief: str = "") -> LeftOut:
+    """An effect without a figure; without words one that has no formula for the profile of the punch."""
+    brief = brief or f"{name} is not figured for the profile {case.profile}"
     return _effect(case, name, moves, np.nan, np.nan, units, np.nan, brief, "")
-
-
-def _not_figured(case: SolvedCase, name: str, moves: str, units: str) -> LeftOut:
-    """An effect that has no formula for the profile of the punch."""
-    return _unknown(case, name, moves, units, f"{name} is not figured for the profile {case.profile}")
 
 
 def _times(share: float) -> str:
@@ -356,7 +345,9 @@ def _moments_over_charge(case: SolvedCase, stack: Stack, moments: Callable[[Arra
 
     In air a punch reads through its gap as well (docs/heat.md), insulated as much as its capacitance says.
     """
-    pad = case.collecting
+    # what collects: a pad, an electrode without end, else the punch's contact
+    pad = SUPPORT if "electrode_charge_per_force" in case.solved else case.half
+    pad = min(float(case.factors["patch_size"]) / 2, SUPPORT) if "patch_size" in case.factors else pad
     edges = pad * np.append(np.linspace(0.0, 1.0, 65), np.geomspace(1.0, SUPPORT / pad, 257)[1:])
     r, areas = (edges[1:] + edges[:-1]) / 2, np.diff(np.pi * edges**2 if case.point else 2 * edges)
     is_read_by_punch = "collector" not in case.factors
@@ -380,7 +371,7 @@ def _bending(case: SolvedCase) -> Iterator[LeftOut]:
     if stack is None or isinstance(stack.base, str) or not np.isfinite(case.charge):
         return
     if case.kind.space and case.profile not in ("sphere", "rough_sphere"):
-        yield _not_figured(case, "bending of the base", "", "m")
+        yield _unknown(case, "bending of the base", "", "m")
         return
     base = stack.base
     poisson = float(base.c12 / (base.c11 + base.c12))
@@ -412,7 +403,7 @@ def _roughness(case: SolvedCase) -> Iterator[LeftOut]:
     on a grid gives 1.45 for 1.45, 2.42 for 2.50, 3.70 for 3.99 and 5.8 for 6.5 under a ball.
     """
     if not case.radius:
-        yield _not_figured(case, "roughness", "stress", "m")
+        yield _unknown(case, "roughness", "stress", "m")
         return
     if case.profile == "rough_sphere":
         yield _unknown(case, "roughness", "stress", "m", "roughness is solved")
@@ -443,7 +434,7 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
     if case.point:
         return
     if not case.radius:
-        yield _not_figured(case, "tilt", "stress", "rad")
+        yield _unknown(case, "tilt", "stress", "rad")
         return
     n, m = _powers(case) if case.kind.layered else (1.0, 0.5)
     falls = TILT * case.length * case.radius / case.half**2 * 2
@@ -488,7 +479,7 @@ def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
     """
     if case.profile != "sphere":
         if case.point:
-            yield _not_figured(case, "adhesion", "signal" if case.kind.layered else "", "N")
+            yield _unknown(case, "adhesion", "signal" if case.kind.layered else "", "N")
         return
     assert case.radius is not None
     modulus = 3 * case.force * case.radius / (4 * case.half**3)  # by Hertz
@@ -540,7 +531,7 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
     if which == "skin":  # which a hand holds
         return
     if not case.radius:
-        yield _not_figured(case, "mass of the punch", "signal, stress", "N")
+        yield _unknown(case, "mass of the punch", "signal, stress", "N")
         return
     known = punches().get(which)
     density, body = (known.density, which.replace("_", " ")) if known else (DENSITY, "steel")

@@ -78,21 +78,17 @@ def beyond_small_strain(
     study: Study, corner: Mapping[str, Array], radius: Array | None, thickness: Array | None
 ) -> list[tuple[str, str]]:
     """Contacts too wide or too deep for small strain, in words with both numbers, and the reason."""
+    trailing, leading = study.kind.extents(corner)
+    deep = corner["depth"] if "depth" in corner and study.kind.datum == "absolute" else None
     lines = []
-    if radius is not None:
-        trailing, leading = study.kind.extents(corner)
-        half = (trailing + leading) / 2
-        share = float((half / radius).max())
-        if share > WIDE:
-            width = shown(float(half.max()), "m", 3)
-            words = f"a contact half-width of {width} is {_above(share, WIDE)} of the punch radius"
-            lines.append((f"{words} and exceeds {WIDE:g} of it", _SMALL))
-    if thickness is not None and "depth" in corner and study.kind.datum == "absolute":
-        share = float((corner["depth"] / thickness).max())
-        if share > DEEP:
-            depth = shown(float(corner["depth"].max()), "m", 3)
-            words = f"a depth of {depth} is {_above(share, DEEP)} of the film's thickness"
-            lines.append((f"{words} and exceeds {DEEP:g} of it", _SMALL))
+    for size, whole, most, said, of_what in (
+        ((trailing + leading) / 2, radius, WIDE, "a contact half-width", "the punch radius"),
+        (deep, thickness, DEEP, "a depth", "the film's thickness"),
+    ):
+        share = float((size / whole).max()) if size is not None and whole is not None else 0.0
+        if size is not None and share > most:
+            words = f"{said} of {shown(float(size.max()), 'm', 3)} is {_above(share, most)} of {of_what}"
+            lines.append((f"{words} and exceeds {most:g} of it", _SMALL))
     return lines
 
 

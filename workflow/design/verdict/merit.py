@@ -7,8 +7,7 @@ import numpy as np
 from approximation.arrays import Array
 from solver.face.refusal import FactorError
 from workflow.design.question.question import Question
-from workflow.design.verdict.answer import Figure, Overload
-from workflow.design.verdict.term import Scenario
+from workflow.design.verdict.answer import Figure, Overload, Scenario
 from workflow.language import grammar
 from workflow.language.constants import CONSTANTS, FIGURES_BY
 from workflow.language.expressions import Expression
@@ -43,10 +42,10 @@ def _figure(design: Question, corner: Mapping[str, Array], expression: Expressio
             except ValueError:
                 return None
         elif name in FACTORS:
-            factors, held = design.factors_of(corner[design.study.kind.ends[0]]), design.study.held(name)
-            if name not in factors and not isinstance(held, float | int):
+            factor = design.factor(name, corner[design.study.kind.ends[0]])
+            if factor is None:
                 return None
-            known[name] = factors[name] if name in factors else np.full((1, 1), float(held or 0.0))
+            known[name] = factor
         else:
             return None
     return expression.evaluate(known)
@@ -57,7 +56,7 @@ def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
     limits = [
         (term, case)
         for term, case in zip(design.terms, worst, strict=True)
-        if term.limited and term.sign > 0 and not term.drawn and not term.along
+        if term.limited and term.sign > 0 and not term.measure.key  # which one case decides
     ]
     pressing = design.study.kind.loads.force
     if pressing not in design.study.factors or not limits:
@@ -79,6 +78,6 @@ def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
                 break
             low, high = shares[beyond[0]], shares[beyond[0] + 1]
             least, which = float(high), term.label
-    if not which and len(limits) < sum(term.limited for term in design.terms):
+    if not which and len(limits) < len(design.limits):
         return None  # a limit that no one case tells may stop it
     return Overload(least, which)

@@ -6,9 +6,7 @@ import numpy as np
 import scipy  # scipy.optimize, slow to import, when a target is answered
 
 from approximation.arrays import Array
-from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.term import Term
-from workflow.design.verdict.variable import Variable
+from workflow.design.verdict.answer import Answer, Term, Variable
 from workflow.language.factors import FACTORS
 
 _FARTHER = 0.1  # share by which an end of a range is moved in words

@@ -11,10 +11,22 @@ import xarray as xr
 
 from storage.described import described
 from storage.netcdf import read_whole
-from workflow.design.verdict.answer import Answer, Category, Choice, Constant, Figure, Overload, Range, Tolerated
+from workflow.design.verdict.answer import (
+    Answer,
+    Category,
+    Choice,
+    Constant,
+    End,
+    Figure,
+    Overload,
+    Range,
+    Role,
+    Sensitivity,
+    Term,
+    Tolerated,
+    Variable,
+)
 from workflow.design.verdict.leftout import LeftOut
-from workflow.design.verdict.term import Term
-from workflow.design.verdict.variable import End, Role, Sensitivity, Variable
 from workflow.language import statements
 from workflow.language.constants import FIGURES_BY, Meeting
 
@@ -143,32 +155,21 @@ def _plain(value: Any) -> Any:
 
 def answer_of(data: xr.Dataset) -> Answer:
     """The answer that a data set of `dataset` holds."""
-    names = _list(data, "factor")
-    worst = data["worst"].transpose("term", "factor").values.tolist()
-    effects = _lists(data, "effect", "term", "constant") or [()] * data.sizes["term"]
-    spreads = _list(data, "spread") or [np.nan] * data.sizes["term"]
+    names, numbers = _list(data, "factor"), _rows(data, _TERM)
+    cases = [dict(zip(names, case, strict=True)) for case in _list(data, "worst", "term", "factor")]
+    effects = _list(data, "effect", "term", "constant") or [()] * len(numbers)
+    spreads = _list(data, "spread") or [np.nan] * len(numbers)
+    others: list[tuple[Any, ...]] = list(zip(cases, map(tuple, effects), spreads, strict=True))
     terms = [
-        Term(
-            stated,
-            worst=dict(zip(names, case, strict=True)),
-            effect=tuple(effect),
-            spread=spread,
-            **dict(zip(_TERM, values, strict=True)),
-        )
-        for stated, values, case, effect, spread in zip(
-            _stated(data), _rows(data, _TERM), worst, effects, spreads, strict=True
-        )
+        Term(statement, *values, *other_values)
+        for statement, values, other_values in zip(_stated(data), numbers, others, strict=True)
     ]
-    errors = [
-        Sensitivity(tuple(elasticity), *values)
-        for elasticity, values in zip(
-            _lists(data, "elasticity", "factor", "term"), _rows(data, _SENSITIVITY), strict=True
-        )
-    ]
+    slopes, errors = _list(data, "elasticity", "factor", "term"), _rows(data, _SENSITIVITY)
+    sensitivities = [Sensitivity(tuple(slope), *error) for slope, error in zip(slopes, errors, strict=True)]
     variables = [
-        Variable(name, value, Role(role), error, tolerance, End(edge) if edge else None)
-        for name, error, (value, tolerance, role, edge) in zip(
-            names, errors, _rows(data, (*_VARIABLE, "edge")), strict=True
+        Variable(name, value, Role(role), sensitivity, tolerance, End(edge) if edge else None)
+        for name, sensitivity, (value, tolerance, role, edge) in zip(
+            names, sensitivities, _rows(data, (*_VARIABLE, "edge")), strict=True
         )
     ]
     fields: dict[str, Any] = {key: tuple(members(data, row)) for key, row in _ROWS.items()}
@@ -191,8 +192,7 @@ def _stated(data: xr.Dataset) -> Iterator[statements.Objective | statements.Limi
     signs = iter(np.atleast_1d(data.attrs["signs"]))
     meeting = next(known for known in FIGURES_BY if known == data.attrs.get("meeting", _USUAL))
     for text, limit in zip(_list(data, "term"), _list(data, "limit"), strict=True):
-        limited = np.isfinite(limit)
-        if limited:
+        if np.isfinite(limit):
             yield statements.limit(text, meeting)
         else:
             yield statements.objective(text, maximise=next(signs) > 0, meeting=meeting)
@@ -228,12 +228,8 @@ def _rows(data: xr.Dataset, keys: Sequence[str]) -> list[tuple[Any, ...]]:
     return list(zip(*(_list(data, key) for key in keys), strict=True))
 
 
-def _list(data: xr.Dataset, key: str) -> list[Any]:
-    """The values of a variable as Python's own; none where it is not there."""
-    return data[key].values.tolist() if key in data.variables else []
-
-
-def _lists(data: xr.Dataset, key: str, *dims: str) -> list[Any]:
+def _list(data: xr.Dataset, key: str, *dims: str) -> list[Any]:
+    """The values of a variable as Python's own, over several dimensions in their order; none where it is not there."""
     return data[key].transpose(*dims).values.tolist() if key in data.variables else []
 
 

@@ -12,9 +12,7 @@ import numpy as np
 
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
-from workflow.design.verdict.term import Term
-from workflow.design.wording import asides
-from workflow.design.wording.words import verdict
+from workflow.design.wording.words import spread, verdict
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
@@ -25,6 +23,7 @@ _EXACT = 1e-6  # of a limit: a margin that is none, but for rounding
 _HEAD = ("target", "verdict", "goal", "design")
 _COLUMNS = ("target", "kind", "name", "units", "predicted", "predicted_std", "exact", "limit", "margin", "inside")
 _NUMBERS = ("predicted", "predicted_std", "exact", "limit", "margin")
+_JSON = ("exact", *_NUMBERS[:2], *_NUMBERS[3:])
 
 
 def as_text(answer: Answer, *, si: bool = False) -> str:
@@ -48,7 +47,7 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
     lines += [answer.status, f"polish: {answer.polish}"]
     for effect in answer.left_out:
         lines += _paragraph(f"left out: {effect.left_out_words}")
-    for note in filter(None, (answer.flags, asides.spread(answer))):
+    for note in filter(None, (answer.flags, spread(answer))):
         lines += _paragraph(f"note: {note}")
     return "\n".join(lines)
 
@@ -71,7 +70,7 @@ def as_json(answer: Answer) -> str:
         "status": answer.status,
         "flags": answer.flags,
         "feasible": answer.feasible,
-        "spread": asides.spread(answer),
+        "spread": spread(answer),
         "factors": {
             variable.name: {
                 "value": variable.value,
@@ -89,7 +88,7 @@ def as_json(answer: Answer) -> str:
             for choice in answer.choices
         ],
         "terms": {
-            term.name: {key: _finite(value) for key, value in _numbers(term).items()}
+            term.name: {key: _finite(getattr(term, key)) for key in _JSON}
             | {"inside": term.inside, "units": term.units}
             for term in answer.terms
         },
@@ -101,11 +100,6 @@ def as_json(answer: Answer) -> str:
     if "front" in answer.pictures.dims:
         out["front"] = _front(answer)
     return json.dumps(out, indent=2, allow_nan=False)
-
-
-def _numbers(term: Term) -> dict[str, float]:
-    """Numbers of a term in the order of the JSON."""
-    return {key: getattr(term, key) for key in ("exact", "predicted", "predicted_std", "limit", "margin")}
 
 
 def _finite(value: float) -> float | None:

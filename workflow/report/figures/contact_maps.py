@@ -10,6 +10,7 @@ from scipy.interpolate import make_interp_spline
 from approximation.arrays import Array
 from solver.units import prefixed
 from workflow.language import numbers, titles
+from workflow.report.figures.contours import grid
 from workflow.report.figures.style import (
     BLUE,
     ORANGE,
@@ -31,18 +32,15 @@ _DIMS = ("x", "y")
 @styled
 def maps(data: xr.Dataset) -> Figure:
     """Contours of a contact: a row for each field, on one scale, a column for each value of the factor."""
-    (varied,) = (str(dim) for dim in data.dims if dim not in _DIMS)
-    names, values = data.attrs["fields"].split(), data[varied]
     scale, unit = prefixed(float(max(np.abs(data[axis]).max() for axis in _DIMS)), "m", digits=2)
     x, y = (data[axis].values / scale for axis in _DIMS)
     height = float(np.clip(3.0 * np.ptp(y) / np.ptp(x), 1.8, 6.0))
-    size = (3.3 * values.size + 1.0, 0.4 + height * len(names))
-    figure, axes = plt.subplots(len(names), values.size, figsize=size, squeeze=False, sharex=True, sharey=True)
-    for row, name in zip(axes, names, strict=True):
+    figure, axes, varied = grid(data, height, f"x [{unit}]", f"y [{unit}]")
+    for row, name in zip(axes, data.attrs["fields"].split(), strict=True):
         low, high = (float(np.quantile(data[name], share)) for share in (0.0, 1.0))
         divisor, label = field_label(data[name], max(abs(low), abs(high)))
         levels = np.linspace(low / divisor, high / divisor, _LEVELS)
-        for ax, number in zip(row, range(values.size), strict=True):
+        for number, ax in enumerate(row):
             chosen = data.isel({varied: number}).transpose("y", "x")
             filled = ax.contourf(x, y, chosen[name] / divisor, levels, cmap="viridis")
             filled.set_rasterized(True)  # a tenth of the bytes of the outlines
@@ -50,17 +48,7 @@ def maps(data: xr.Dataset) -> Figure:
             ax.contour(x, y, pressure, [0.01 * float(pressure.max())], colors=INK, linewidths=0.8)
             ax.grid(visible=False)
         figure.colorbar(filled, ax=list(row), label=label, format=ticked, pad=0.01, shrink=0.9)
-        row[0].set_ylabel(f"y [{unit}]")
-    for ax, value in zip(axes[0], values, strict=True):
-        ax.set_title(f"{titles.title(varied)} {_said(value)}")
-    for ax in axes[-1]:
-        ax.set_xlabel(f"x [{unit}]")
     return figure
-
-
-def _said(value: xr.DataArray) -> str:
-    plain = value.item()
-    return plain if isinstance(plain, str) else numbers.shown(plain, value.attrs.get("units", "1"), 3)
 
 
 @styled

@@ -1,17 +1,44 @@
-"""A field below the punch as filled contours: one scale for all that stand side by side."""
+"""Fields as filled contours: a row of a field, on one scale, a column for each value of a factor."""
 
 from collections.abc import Sequence
+from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import FigureBase
+from matplotlib.figure import Figure, FigureBase
 from matplotlib.ticker import MaxNLocator
 
+from solver.body import HALF_PLANE
+from workflow.language import numbers, titles
 from workflow.report.figures.style import field_label, ticked
 from workflow.report.svg import INK
 
 _ROUND = MaxNLocator(18, steps=[1, 2, 2.5, 5, 10])  # levels
+
+
+def said(value: xr.DataArray, digits: int = 3) -> str:
+    """One value of an axis, which says its own unit: an axis may be a product of factors."""
+    plain = value.item()
+    if isinstance(plain, str):
+        return plain
+    return HALF_PLANE.name if np.isnan(plain) else numbers.shown(plain, value.attrs.get("units", "1"), digits)
+
+
+def grid(data: xr.Dataset, height: float, across: str, down: str) -> tuple[Figure, Any, str]:
+    """A figure with axes (field, value of the factor), each field of a height in inches; and the factor's name."""
+    (varied,) = (str(dim) for dim in data.dims if dim not in ("x", "y"))
+    names, values = data.attrs["fields"].split(), data[varied]
+    size = (3.3 * values.size + 1.0, 0.4 + height * len(names))
+    figure, axes = plt.subplots(len(names), values.size, figsize=size, squeeze=False, sharex=True, sharey=True)
+    for row in axes:
+        row[0].set_ylabel(down)
+    for ax, value in zip(axes[0], values, strict=True):
+        ax.set_title(f"{titles.title(varied)} {said(value)}")
+    for ax in axes[-1]:
+        ax.set_xlabel(across)
+    return figure, axes, varied
 
 
 def below(

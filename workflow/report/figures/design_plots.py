@@ -39,12 +39,7 @@ _BESIDE = 0.01  # of a slice: nearer to its design lies nothing but the design i
 def figures_of(answer: Answer, target: Target) -> dict[str, Figure]:
     """Figures of a design by kind; the contact where the answer has its fields."""
     contact = ["contact"] if "position" in answer.pictures.dims else []
-    return {kind: draw(kind, answer) for kind in (*ranked.names(target), *contact) if kind in _DRAWN}
-
-
-def draw(kind: str, answer: Answer) -> Figure:
-    """One figure of an answer of `design.answer`."""
-    return _DRAWN[kind](answer)
+    return {kind: _DRAWN[kind](answer) for kind in (*ranked.names(target), *contact) if kind in _DRAWN}
 
 
 @styled

@@ -13,9 +13,9 @@ from approximation.arrays import Array
 from solver.body import HALF_PLANE
 from solver.fields import POINT_FIELDS
 from solver.units import prefixed
-from workflow.language import numbers, titles
+from workflow.language import titles
 from workflow.report import symbols
-from workflow.report.figures.contours import below
+from workflow.report.figures.contours import below, grid, said
 from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, felt_only, field_label, panels, styled
 from workflow.report.svg import INK
 
@@ -48,7 +48,7 @@ def fields(slabs: Sequence[xr.Dataset], felt: Collection[str]) -> Figure:
     places = {name: size // 2 if slabs[0][name].dtype.kind in "iuf" else 0 for name, size in sizes.items()}
     holds = int(np.searchsorted(starts, places[first], side="right")) - 1
     chosen = slabs[holds].isel({**places, first: places[first] - starts[holds]})
-    held = ", ".join(f"{titles.title(name)} {_said(chosen[name])}" for name in places)
+    held = ", ".join(f"{titles.title(name)} {said(chosen[name])}" for name in places)
     figure = _field_panels(_of_three(chosen, varied), varied, _names(chosen[varied]))
     figure.suptitle(f"one case a curve: {held}", fontsize=9)
     return figure
@@ -66,15 +66,7 @@ def _names(values: xr.DataArray) -> list[str] | None:
     """Words for three values of a factor whose levels are no round numbers."""
     if values.dtype.kind not in "iuf" or values.size < len(_THREE):
         return None
-    return [f"{word}: {_said(values[k], 2)}" for word, k in zip(_THREE, (0, (values.size - 1) // 2, -1), strict=True)]
-
-
-def _said(value: xr.DataArray, digits: int = 3) -> str:
-    """One value of an axis, which says its own unit: an axis may be a product of factors."""
-    plain = value.item()
-    if isinstance(plain, str):
-        return plain
-    return HALF_PLANE.name if np.isnan(plain) else numbers.shown(plain, value.attrs["units"], digits)
+    return [f"{word}: {said(values[k], 2)}" for word, k in zip(_THREE, (0, (values.size - 1) // 2, -1), strict=True)]
 
 
 @styled
@@ -102,18 +94,10 @@ def _lengths(data: xr.Dataset) -> xr.DataArray | None:
 @styled
 def interior(data: xr.Dataset) -> Figure:
     """Contours below the punch: a row for each field, on one scale, a column for each value of the factor."""
-    varied = next(str(dim) for dim in data.dims if dim not in ("x", "y"))
-    names, values = data.attrs["fields"].split(), data[varied]
     across, down = ("x/a", "y/a") if "force" in data.coords else ("(x - c)/h", "y/h")
-    size = (3.3 * len(values) + 1.0, 0.4 + 2.0 * len(names))
-    figure, axes = plt.subplots(len(names), len(values), figsize=size, squeeze=False, sharex=True, sharey=True)
-    for row, name in zip(axes, names, strict=True):
-        below(figure, row, [data[name].isel({varied: number}) for number in range(len(values))])
-        row[0].set_ylabel(down)
-    for ax, value in zip(axes[0], values, strict=True):
-        ax.set_title(f"{titles.title(varied)} {_said(value)}")
-    for ax in axes[-1]:
-        ax.set_xlabel(across)
+    figure, axes, varied = grid(data, 2.0, across, down)
+    for row, name in zip(axes, data.attrs["fields"].split(), strict=True):
+        below(figure, row, [data[name].isel({varied: number}) for number in range(len(row))])
     return figure
 
 
@@ -121,7 +105,7 @@ def _field_panels(
     data: xr.Dataset, varied: str, names_of_values: list[str] | None = None, lengths: xr.DataArray | None = None
 ) -> Figure:
     numeric = np.issubdtype(data[varied].dtype, np.number)
-    texts = names_of_values or [_said(value) for value in data[varied]]
+    texts = names_of_values or [said(value) for value in data[varied]]
     colours = (
         plt.get_cmap("viridis")(np.linspace(0.0, 0.88, len(texts)))
         if numeric

@@ -1,8 +1,10 @@
-"""Fields along the surface of a film, on both sides of the contact (films, section 3; theory section 5).
+"""Fields of films along the surface, on both sides of the contact, and inside (films, section 3; theory section 5).
 
-At fixed positions X the fields are functions of log h, linear in the causes: a table of their own, then a product.
+On the surface at fixed positions X the fields are functions of log h, linear in the causes: a table of their own, then
+a product. Inside they are computed in blocks of cases and points: bounded memory.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,18 +14,22 @@ from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.cache import cached
 from solver.fields import FIELDS
-from solver.line.assembly import Assembly
+from solver.halfplane.interior import POTENTIALS
 from solver.line.contact import FilmContact
+from solver.line.interior import fields_of
 from solver.line.kernel import kernel
+from solver.line.outputs import Assembly
 from solver.line.similar import Films
 from solver.line.system import System
 from solver.line.table import Table, batches
-from solver.line.windows import Kind, window
+from solver.line.windows import Kind, traction_window, window
 
 _TRACTIONS = slice(0, 3)  # sigma_yy, D_y, B_y
 _GRADIENTS = slice(3, 6)  # d(phi, psi, u_x)/dx
 _POSITIONS = 512  # at a time
-_VALUES = 1 << 17  # positions times cases at a time: bounded memory
+_ON_SURFACE = 1 << 17  # positions times cases at a time: bounded memory
+_ALONG, _POINTS = 256, 4096  # positions along x, and points, inside at a time
+_INSIDE = 1 << 16  # points times cases inside at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +61,7 @@ class SurfaceTable:
 
 
 def of_local(system: System, whole: Array) -> dict[str, Array]:
-    """Fields of ``solver.fields.FIELDS`` from what :func:`local_fields` tells; (case, position) each, SI.
-
-    whole: (case, 6, position), sums over the unknowns, in the units of the stack.
-    """
+    """Fields of ``FIELDS``, SI, from sums (case, 6, position) of :func:`local_fields`; (case, position) each."""
     half, scale = system.sliding.halfplane, system.kernel.stack.scale
     t = whole[:, _TRACTIONS] / scale[1:, None]
     gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
@@ -113,13 +116,10 @@ def _surface_window(kind: Kind, number: int, positions: tuple[float, ...]) -> Su
 
 
 def fields(films: Films, positions: Array) -> dict[str, Array]:
-    """Fields of ``solver.fields.FIELDS``; (case, position) each.
-
-    positions: (position,), X = (x - c)/h, finite and never exactly +-1.
-    """
+    """Fields of ``solver.fields.FIELDS`` at X = (x - c)/h, finite and never exactly +-1; (case, position) each."""
     count = films.load.size
     out = {name: np.empty((count, positions.size)) for name in FIELDS}
-    block = _VALUES // min(positions.size, _POSITIONS)
+    block = _ON_SURFACE // min(positions.size, _POSITIONS)
     for start in range(0, count, block):
         part = films.part(slice(start, start + block))
         for first in range(0, positions.size, _POSITIONS):
@@ -129,3 +129,31 @@ def fields(films: Films, positions: Array) -> dict[str, Array]:
                 for name, whole in out.items():
                     whole[np.ix_(start + places, np.arange(first, first + X.size))] = values[name]
     return out
+
+
+def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+    """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x)."""
+    blocks = list(in_blocks(x, y))
+    together = max(_INSIDE // (y[blocks[0][0]].size * x[blocks[0][1]].size), 1)
+    out = np.empty((films.load.size, len(names), y.size, x.size))
+    for places, number, contact in films.parts:
+        tractions = traction_window(films.kind, number).read(contact)
+        datum = np.broadcast_to(contact.datum, places.shape)
+        for start in range(0, places.size, together):
+            block = slice(start, start + together)
+            for rows, columns in blocks:
+                values = fields_of(tractions.part(block), x[columns], y[rows], names, datum[block])
+                out[places[block], :, rows, columns] = values
+    for number, name in enumerate(names):
+        if name in POTENTIALS:
+            out[:, number] *= films.thickness[:, None, None]
+    return out
+
+
+def in_blocks(x: Array, y: Array) -> Iterator[tuple[slice, slice]]:
+    """Yield rows and columns of a grid of places x, (x,), and y, (y,), some at a time."""
+    across = min(x.size, _ALONG)
+    down = min(y.size, max(_POINTS // across, 1))
+    for first in range(0, y.size, down):
+        for left in range(0, x.size, across):
+            yield slice(first, first + down), slice(left, left + across)

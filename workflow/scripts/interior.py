@@ -1,8 +1,0 @@
-"""Rule interior: exact fields below the punch while one factor varies."""
-
-from storage.netcdf import write_whole
-from workflow.dataset import effects
-from workflow.study import planned
-
-snakemake, config = planned.start(globals())
-write_whole(effects.interior(config, snakemake.wildcards.name), snakemake.output[0])

@@ -1,8 +1,0 @@
-"""Rule spread: quantities of random surfaces while one factor varies."""
-
-from storage.netcdf import write_whole
-from workflow.dataset import effects
-from workflow.study import planned
-
-snakemake, config = planned.start(globals())
-write_whole(effects.spread(config, snakemake.wildcards.name), snakemake.output[0])
