@@ -101,7 +101,7 @@ def _figures_are_closed() -> Iterator[None]:
 def quickstart_run(copy: Copy) -> Project:
     """Folder in which the quickstart has run to its report, or what `make run` left of it; no test may change it."""
     project = copy("quickstart")
-    for part in ("results/quickstart", ".snakemake/metadata"):
+    for part in ("results/quickstart", "results/ball", ".snakemake/metadata"):
         if (ROOT / part).is_dir():
             shutil.copytree(ROOT / part, project.folder / part, symlinks=True)
     project.run("meecontact", "run", "quickstart", "--cores", "2")

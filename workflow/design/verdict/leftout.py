@@ -190,10 +190,8 @@ class SolvedCase:
         return self.band if self.band > 0 else USUAL
 
 
-def of_study(
-    study: Study, factors: Mapping[str, Any], smallest_force: float, band: float, hold: float | None = None
-) -> SolvedCase:
-    """A case of a study, with its device, for the budget; `hold` [s]: None of the study's signal."""
+def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, band: float) -> SolvedCase:
+    """A case of a study, with its device, for the budget."""
     device = dict(study.device.constants) if study.device else {}
     device |= {name: float(factors[name]) for name in DEVICE if study.device and name in factors}
     phases = (study.phases[0], study.phases[1])
@@ -208,7 +206,7 @@ def of_study(
         phases=phases,
         body=layered.stack(study.body, dict(factors), study.own_materials, phases) if study.body else None,
         band=band,
-        hold=hold or (study.signal.hold if study.signal else HOLD),
+        hold=study.signal.hold if study.signal else HOLD,
     )
 
 

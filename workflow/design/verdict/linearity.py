@@ -99,11 +99,6 @@ def _above(size: float, most: float, units: str = "1", digits: int = 2) -> str:
     return shown(size, units, digits)
 
 
-def nearest(study: Study, corner: Mapping[str, Array]) -> Bound | None:
-    """Material limit that a case within all limits comes nearest to; None where no limit is known."""
-    return max(_bounds(study, corner, None), key=lambda bounded: bounded.share, default=None)
-
-
 def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> list[Bound]:
     """Every quantity that something known bounds."""
     bounds = []

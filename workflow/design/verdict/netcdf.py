@@ -209,13 +209,6 @@ def _tolerated(data: xr.Dataset) -> Tolerated | None:
     return Tolerated(cost, gain, values, data["nominal_exact"].item(), str(data["nominal_choice"].item()))
 
 
-def left_out(effects: Sequence[LeftOut]) -> xr.Dataset:
-    """Effects that the model leaves out as a data set of their own; `members` reads them back."""
-    (dimension, labels), *columns = _columns(effects)
-    attrs = {key: {"units": "1", "long_name": _MEANINGS[key]} for key, _ in columns}
-    return xr.Dataset({key: (dimension, values, attrs[key]) for key, values in columns}, {dimension: labels})
-
-
 def members(data: xr.Dataset, row: type[Any]) -> Iterator[Any]:
     """Rows of one type; none where the data set has no such dimension."""
     keys = [field.name for field in fields(row)]
