@@ -313,7 +313,7 @@ def test_a_ball_on_a_half_space_has_the_stated_figures(material: str) -> None:
 def test_balls_on_films_have_the_stated_figures() -> None:
     radii = np.array([0.2, 1.0, 5.0])
     forces = np.array(stated("$PR/a^3$ [Pa]")) * radii**3
-    grounded = on_film(film(BTO), 1.0, 2.0, 0.5, forces).grounded
+    grounded = on_film(film(BTO), 2.0, 0.5, forces).grounded
     np.testing.assert_allclose(grounded.radius, radii, rtol=3e-7)
     charge = np.abs(grounded.loads[:, 1]) / forces * 1e12
     np.testing.assert_allclose(charge, stated("size of $T/P$ [pC/N]"), rtol=4e-7)
