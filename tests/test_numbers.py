@@ -397,7 +397,7 @@ def test_reciprocity_holds_and_fails_as_stated() -> None:
     assert abs(V_J / psi_T - 1) == pytest.approx(0.01 * said("alone misses by {} %"), rel=0.03)
     assert contact.tangents[0][0, 1] == pytest.approx(said("is {} m per C/m"), rel=0.03)
     assert -contact.tangents[0][1, 0] == pytest.approx(said(r"$-\partial V/\partial P$ is {}"), rel=0.03)
-    assert -contact.potential(0)[0] / 2e5 == pytest.approx(said("the half-plane's identity, {}"), rel=0.03)
+    assert -contact.response[0, 1] / 2e5 == pytest.approx(said("the half-plane's identity, {}"), rel=0.03)
 
 
 def test_charge_and_datum_change_a_film_as_stated() -> None:
