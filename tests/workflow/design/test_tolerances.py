@@ -48,7 +48,7 @@ def answer(composite: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
         "subject_to": ["trailing_tension <= 50 MPa"],
     }  # fmt: skip
     target = Target.model_validate(content | changed)
-    check_target(composite[0], "mine", target)
+    check_target(composite[0], target)
     return targets.answer(composite[0], "mine", target, composite[1])
 
 
