@@ -34,7 +34,6 @@ workflow/device/ workflow/learning/ workflow/measured/ workflow/report/test_cont
 workflow/report/test_figures.py workflow/report/test_films.py workflow/report/test_firstscreen.py
 workflow/study/test_categories.py workflow/study/test_grouped.py
 workflow/study/test_layered.py workflow/study/test_points.py workflow/study/test_surroundings.py
-workflow/test_surroundings.py
 """
 
 

@@ -550,7 +550,12 @@ class GaussianProcess(ABC):
         ]
         values = mean[:, None] + deviations * std[:, None]
         coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
-        quantiles = self._stacked("quantile", values, named, flags).assign_coords(quantile=coordinate)
+        columns = {
+            name: xr.Variable(("quantile", *named.dims), rows.reshape(-1, *named.shape), self.attrs_[name])
+            for name, rows in zip(self.outputs_, values, strict=True)
+        }
+        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
+        quantiles = flagged.assign(columns).assign_coords(quantile=coordinate)
         return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
 
     def ends_of_sum(self, X: NDArray[np.floating[Any]], weights: Array, level: float | None = None) -> Array:
@@ -607,15 +612,6 @@ class GaussianProcess(ABC):
         if cached is None or cached[0] is not self.calibration_ or cached[1] != level:
             cached = self._made_ends = (self.calibration_, level, self.distribution.ends(level))
         return cached[2]
-
-    def _stacked(self, dim: str, values: Array, named: Points, flags: dict[str, Flags]) -> xr.Dataset:
-        """Label several values of every output at each point, (p, m, n), over a dimension of these m."""
-        dims = (dim, *named.dims)
-        columns = {
-            name: xr.Variable(dims, rows.reshape(-1, *named.shape), self.attrs_[name])
-            for name, rows in zip(self.outputs_, values, strict=True)
-        }
-        return named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()}).assign(columns)
 
     def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
         """Return the same as `mean_std` at any number of points (n, d), block by block: (p, n) each."""

@@ -1,7 +1,6 @@
 """Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
 
 import re
-from collections.abc import Sequence
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
@@ -193,9 +192,13 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
 
 def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
     """Return the model that `nested` gave; ValueError names what is inconsistent, KeyError what is not there."""
-    name = str(stored.attrs["engine"])
-    kind, inputs, outputs = engine(name, engines), stored_inputs(stored), _outputs(stored)
-    members = {member: restored(_member(member, stored), members_of(name)) for member in kind.MEMBERS}
+    name, inputs, outputs = str(stored.attrs["engine"]), stored_inputs(stored), _outputs(stored)
+    if name not in engines:
+        raise ValueError(f"unknown engine {name!r}; known are {', '.join(engines)}")
+    module, class_name = ENGINES[name]
+    kind: type[GaussianProcess] = getattr(import_module(f"surrogate.{module}"), class_name)
+    before = engines[: engines.index(name)]
+    members = {member: restored(_member(member, stored), before) for member in kind.MEMBERS}
     model = kind.restore(stored, inputs, outputs)
     model.calibration_, model.cases_ = None, int(stored.attrs["cases"])
     model.made_from_ = str(stored.attrs.get("made_from", ""))
@@ -229,20 +232,6 @@ def _check_numbers(stored: xr.Dataset) -> None:
     for name, variable in stored.variables.items():
         if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
             raise ValueError(f"variable {name!r} is not finite")
-
-
-def engine(name: str, known: Sequence[str]) -> type[GaussianProcess]:
-    """Return the class of a kind."""
-    if name not in known:
-        raise ValueError(f"unknown engine {name!r}; known are {', '.join(known)}")
-    module, kind = ENGINES[name]
-    kind_class: type[GaussianProcess] = getattr(import_module(f"surrogate.{module}"), kind)
-    return kind_class
-
-
-def members_of(name: str) -> tuple[str, ...]:
-    """Return the names of the kinds that a kind may be made of."""
-    return tuple(ENGINES)[: list(ENGINES).index(name)]
 
 
 def check_sizes(stored: xr.Dataset) -> None:

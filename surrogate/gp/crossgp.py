@@ -52,63 +52,60 @@ class Crossed:
     entries: int  # Entries that were asked for, fresh ones included
 
 
-@dataclass(frozen=True)
-class Cross:
-    """A cross approximation of a tensor with blocks as entries."""
+def approximation(sizes: Sequence[int], tolerance: float, most: int = 10_000) -> Steps:
+    """Approximate a tensor with blocks as entries; yield batches of indices, the same ones for equal blocks.
 
-    sizes: tuple[int, ...]  # Indices n_k of every mode
-    tolerance: float  # Largest error of any value over its output's range that fresh entries may show
-    most: int = 10_000  # No sweep begins once so many entries have been asked for
-    seed: int = 0  # Of fresh entries and first indices
-
-    def steps(self) -> Steps:
-        """Return the steps, each a batch of indices without repetition; same seed and blocks, same steps."""
-        random = np.random.default_rng(self.seed)
-        fresh = self._fresh(random, {})
-        requested = dict.fromkeys(map(tuple, fresh.tolist()))
+    sizes: indices n_k of every mode; tolerance: largest error of any value over its output's range that fresh entries
+    may show; most: no sweep begins once so many entries have been asked for.
+    """
+    random = np.random.default_rng(0)
+    fresh = _fresh(random, sizes, {})
+    requested = dict.fromkeys(map(tuple, fresh.tolist()))
+    blocks = yield fresh
+    offset, scale = blocks.mean(axis=(0, 1)), np.ptp(blocks, axis=(0, 1))
+    scale[scale == 0] = 1.0
+    count = BEHIND if blocks[0].size >= MANY else BEHIND_FEW
+    behind = [_spread(random, sizes[k:], count) for k in range(1, len(sizes))] + [np.zeros((1, 0), dtype=np.intp)]
+    rows: list[Indices | None] = [None] * len(sizes)
+    left = LEFT * tolerance
+    while True:
+        cores: list[Array] = []
+        before = np.zeros((1, 0), dtype=np.intp)
+        for k, size in enumerate(sizes):
+            candidates = _pairs(before, np.arange(size)[:, None])
+            wanted = _pairs(candidates, behind[k])
+            requested |= dict.fromkeys(map(tuple, wanted.tolist()))
+            values = ((yield wanted) - offset) / scale
+            if k == len(sizes) - 1:
+                cores.append(values.reshape(len(before), size, *values.shape[1:]))
+                break
+            matrix = values.reshape(len(candidates), -1)
+            chosen, weights = interpolation(matrix, left, _places(candidates, rows[k]))
+            cores.append(weights.reshape(len(before), size, -1))
+            rows[k] = before = candidates[chosen]
+        errors = np.abs(_at(cores, fresh) - (blocks - offset) / scale).max(axis=1)
+        if errors.max() <= tolerance or len(requested) >= most:
+            return Crossed(tuple(cores), offset, scale, errors.max(axis=0), len(requested))
+        worst = fresh[errors.max(axis=1).argmax()]
+        behind = [np.unique(np.vstack([old, worst[None, k + 1 :]]), axis=0) for k, old in enumerate(behind)]
+        left *= FINER
+        fresh = _fresh(random, sizes, requested)
+        requested |= dict.fromkeys(map(tuple, fresh.tolist()))
         blocks = yield fresh
-        offset, scale = blocks.mean(axis=(0, 1)), np.ptp(blocks, axis=(0, 1))
-        scale[scale == 0] = 1.0
-        count = BEHIND if blocks[0].size >= MANY else BEHIND_FEW
-        behind = [self._spread(random, k, count) for k in range(1, len(self.sizes))] + [np.zeros((1, 0), dtype=np.intp)]
-        rows: list[Indices | None] = [None] * len(self.sizes)
-        left = LEFT * self.tolerance
-        while True:
-            cores: list[Array] = []
-            before = np.zeros((1, 0), dtype=np.intp)
-            for k, size in enumerate(self.sizes):
-                candidates = _pairs(before, np.arange(size)[:, None])
-                wanted = _pairs(candidates, behind[k])
-                requested |= dict.fromkeys(map(tuple, wanted.tolist()))
-                values = ((yield wanted) - offset) / scale
-                if k == len(self.sizes) - 1:
-                    cores.append(values.reshape(len(before), size, *values.shape[1:]))
-                    break
-                matrix = values.reshape(len(candidates), -1)
-                chosen, weights = interpolation(matrix, left, _places(candidates, rows[k]))
-                cores.append(weights.reshape(len(before), size, -1))
-                rows[k] = before = candidates[chosen]
-            errors = np.abs(_at(cores, fresh) - (blocks - offset) / scale).max(axis=1)
-            if errors.max() <= self.tolerance or len(requested) >= self.most:
-                return Crossed(tuple(cores), offset, scale, errors.max(axis=0), len(requested))
-            worst = fresh[errors.max(axis=1).argmax()]
-            behind = [np.unique(np.vstack([old, worst[None, k + 1 :]]), axis=0) for k, old in enumerate(behind)]
-            left *= FINER
-            fresh = self._fresh(random, requested)
-            requested |= dict.fromkeys(map(tuple, fresh.tolist()))
-            blocks = yield fresh
 
-    def _spread(self, random: np.random.Generator, k: int, count: int) -> Indices:
-        """A few random indices of the modes from k on, different in each as far as it goes."""
-        columns = [np.resize(random.permutation(size), count) for size in self.sizes[k:]]
-        return np.unique(np.stack(columns, axis=1), axis=0)
 
-    def _fresh(self, random: np.random.Generator, requested: Mapping[tuple[int, ...], None]) -> Indices:
-        """Random indices that nobody has asked for, while there are some."""
-        drawn = np.unique(random.integers(self.sizes, size=(2 * FRESH, len(self.sizes))), axis=0)
-        drawn = random.permutation(drawn)
-        unasked = [index for index in drawn.tolist() if tuple(index) not in requested]
-        return np.array((unasked or drawn.tolist())[:FRESH], dtype=np.intp)
+def _spread(random: np.random.Generator, sizes: Sequence[int], count: int) -> Indices:
+    """A few random indices of modes, different in each as far as it goes."""
+    columns = [np.resize(random.permutation(size), count) for size in sizes]
+    return np.unique(np.stack(columns, axis=1), axis=0)
+
+
+def _fresh(random: np.random.Generator, sizes: Sequence[int], requested: Mapping[tuple[int, ...], None]) -> Indices:
+    """Random indices that nobody has asked for, while there are some."""
+    drawn = np.unique(random.integers(sizes, size=(2 * FRESH, len(sizes))), axis=0)
+    drawn = random.permutation(drawn)
+    unasked = [index for index in drawn.tolist() if tuple(index) not in requested]
+    return np.array((unasked or drawn.tolist())[:FRESH], dtype=np.intp)
 
 
 def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Crossed:
@@ -256,7 +253,7 @@ class CrossGP(GridGP):
             The crossed inputs over `place`; in the end `error` over `output`, the largest over its range at the last
             fresh places, on levels.
         """
-        crossed = run(self._cross.steps(), {} if X is None else self.blocks(X))
+        crossed = run(self._steps(), {} if X is None else self.blocks(X))
         if X is not None and isinstance(crossed, Crossed):
             error = ("output", crossed.error, {"long_name": "largest error over range at fresh places"})
             return xr.Dataset({"error": error}, {"output": self._names(X)})
@@ -281,7 +278,7 @@ class CrossGP(GridGP):
         ValueError
             Cases are missing, or are not finite; a value is no level.
         """
-        crossed = run(self._cross.steps(), self.blocks(X))
+        crossed = run(self._steps(), self.blocks(X))
         if not isinstance(crossed, Crossed):
             raise ValueError(f"{len(crossed)} places are still to be solved; `ask` names them")
         assert self.inputs is not None
@@ -298,9 +295,8 @@ class CrossGP(GridGP):
         self._standardise(self._train(crossed), crossed)
         return self
 
-    @property
-    def _cross(self) -> Cross:
-        return Cross(tuple(self.levels[name] for name in self.crossed), self.tolerance, self.most)
+    def _steps(self) -> Steps:
+        return approximation([self.levels[name] for name in self.crossed], self.tolerance, self.most)
 
     def _names(self, X: xr.Dataset) -> list[str]:
         return output_names(X, self.outputs, exclude=tuple(self.levels))

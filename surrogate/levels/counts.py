@@ -15,11 +15,10 @@ from types import MappingProxyType
 import numpy as np
 import xarray as xr
 
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array
 from approximation.chebyshev import coefficients
-from surrogate.data.factorial import complete_factorial, output_names
+from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input
-from surrogate.gp.crossgp import CrossGP
 from surrogate.levels.decay import Decay, decay_of
 
 MOST_LEVELS = 256
@@ -37,8 +36,6 @@ class LevelChoice:
     """Level counts and the evidence for them."""
 
     counts: dict[str, int]  # Levels of every input, in order; an affine input has 2
-    cases: int  # Their product
-    tolerance: float  # What was asked for, over the range of every output
     # Predicted error over range of every output at these counts; NaN for a kinked one, for which nothing is claimed
     error: dict[str, float]
     affine: tuple[str, ...]  # Inputs in which every output is affine
@@ -60,48 +57,15 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
     judged = {}
     for output, values in factorial.outputs.items():
         size = float(np.ptp(values)) or 1.0
-        along = [_largest(values[..., None], axis)[:, 0] / size for axis in range(values.ndim)]
+        along = [largest(values[..., None], axis)[:, 0] / size for axis in range(values.ndim)]
         judged[output] = dict(zip(names, map(decay_of, along), strict=True))
     return judged
 
 
-def decays_of_lines(model: CrossGP, X: xr.Dataset) -> Decays:
-    """Judge the same decays from the cases of a crossed model: from all lines of whole levels among them."""
-    known = model.blocks(X)
-    indices, blocks = np.array(list(known), dtype=np.intp), np.stack(list(known.values()))
-    spread = np.ptp(blocks, axis=(0, 1))
-    values = blocks / np.where(spread > 0, spread, 1.0)
-    whole = values.reshape(len(values), *(model.levels[name] for name in model.whole), values.shape[-1])
-    columns = {
-        name: _largest(_whole_lines(indices, values, k, model.levels[name]), 1) for k, name in enumerate(model.crossed)
-    }
-    columns |= {name: _largest(whole, 1 + k) for k, name in enumerate(model.whole)}
-    return {
-        output: {name: decay_of(columns[name][:, p]) for name in model.levels}
-        for p, output in enumerate(output_names(X, model.outputs, exclude=tuple(model.levels)))
-    }
-
-
-def _largest(values: Array, axis: int) -> Array:
-    """Largest Chebyshev coefficients along an axis over all others but the last, (n, p), of values (..., p)."""
+def largest(values: Array, axis: int) -> Array:
+    """Return the largest Chebyshev coefficients along an axis, over all others but the last: (n, p) of (..., p)."""
     along = np.moveaxis(coefficients(values, axis), axis, 0)
     return np.asarray(np.abs(along).reshape(values.shape[axis], -1, values.shape[-1]).max(axis=1))
-
-
-def _whole_lines(indices: Indices, values: Array, k: int, size: int) -> Array:
-    """Values along all lines of an index that have all of it: (lines, size, b, p)."""
-    others = np.delete(indices, k, axis=1)
-    _, line = np.unique(others, axis=0, return_inverse=True)
-    order = np.lexsort((indices[:, k], line.ravel()))
-    counts = np.bincount(line.ravel())
-    complete = np.repeat(counts == size, counts)
-    return np.asarray(values[order[complete]].reshape(-1, size, *values.shape[1:]))
-
-
-def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
-    """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
-    kinked = {output: tuple(name for name in along if along[name].algebraic) for output, along in judged.items()}
-    return {output: where for output, where in kinked.items() if where}
 
 
 def choose(
@@ -110,7 +74,8 @@ def choose(
     """Choose the smallest factorial that is predicted to reach a tolerance."""
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
-    kinked = _kinks(decays)
+    kinks = {output: tuple(name for name in along if along[name].algebraic) for output, along in decays.items()}
+    kinked = {output: where for output, where in kinks.items() if where}
     claimed = {output: along for output, along in decays.items() if output not in kinked}
     if not claimed:
         raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")
@@ -121,8 +86,6 @@ def choose(
     error = {output: _error(along, counts) for output, along in claimed.items()}
     return LevelChoice(
         counts=counts,
-        cases=prod(counts.values()),
-        tolerance=tolerance,
         error={output: error.get(output, float("nan")) for output in decays},
         affine=tuple(name for name in names if all(along[name].affine for along in decays.values())),
         extrapolated=tuple(

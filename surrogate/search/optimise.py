@@ -193,7 +193,18 @@ class _Local:
 
         z: Array = np.append(x, level)
         for _ in range(_ROUNDS):
-            stop = _Stop(z)
+            last, stalled = z, False
+
+            def check(xk: Array) -> None:
+                """End a program whose iterates stand still: it would go on for ever, in searches that rounding decides.
+
+                Its model of the curvature is then of no use: the search goes on with a new one.
+                """
+                nonlocal last, stalled
+                stalled, last = bool(np.abs(xk - last).max() <= _STANDS), xk.copy()
+                if stalled:
+                    raise StopIteration
+
             search = scipy.optimize.minimize(
                 height,
                 z,
@@ -201,31 +212,13 @@ class _Local:
                 method="SLSQP",
                 bounds=[(-1.0, 1.0)] * d + [(None, None)],
                 constraints=scipy.optimize.NonlinearConstraint(margins, 0.0, np.inf, jac=margins_slope),
-                callback=stop.check,
+                callback=check,
                 options={"maxiter": 100, "ftol": _CONVERGED},
             )
             before, z = z, _settled(np.asarray(search.x), d, margins, margins_slope)
-            if np.abs(z - before).max() <= _STANDS or not stop.stalled:
+            if np.abs(z - before).max() <= _STANDS or not stalled:
                 break
         return np.asarray(z[:d])
-
-
-class _Stop:
-    """Ends a sequential quadratic program whose iterates stand still.
-
-    It would go on for ever in line searches that rounding decides. Its model of the curvature is then of no use: the
-    search goes on with a new one.
-    """
-
-    def __init__(self, z: Array) -> None:
-        self._last, self.stalled = z, False
-
-    def check(self, xk: Array) -> None:
-        """Raise StopIteration where the iterate is the last one."""
-        self.stalled = bool(np.abs(xk - self._last).max() <= _STANDS)
-        self._last = xk.copy()
-        if self.stalled:
-            raise StopIteration
 
 
 def _settled(z: Array, d: int, margins: Callable[[Array], Array], slope: Callable[[Array], Array]) -> Array:

@@ -353,10 +353,20 @@ def learn(
     spread: (n,); single_constants: (k,), optional.
     """
     single = np.zeros(constants, np.bool_) if single_constants is None else single_constants
-    model = _Linearised(forward, rows, inputs, spread)
+    scaled = unit_coordinates(inputs, rows.points).T
+
+    def linearised(about: Array) -> dict[int, Residuals]:
+        """Residuals of every measured output, linear in the constants about some."""
+        mean, slopes = forward(about)
+        residual, parts = rows.value - mean + slopes @ about, {}
+        for q in rows.outputs:
+            k = rows.of(q)
+            parts[q] = Residuals.of(scaled[rows.row[k]], residual[k], slopes[k], rows.error[k], spread[k], mean[k])
+        return parts
+
     about, start = np.zeros(constants), None
     for number in range(_CHAINS):
-        parts, rounds = model.at(about), ROUNDS if number else DRAWS
+        parts, rounds = linearised(about), ROUNDS if number else DRAWS
         chain = _chained(parts, single, start, np.random.default_rng(number), rounds)
         rounds_used = np.linspace(0, rounds - 1, DRAWS).round().astype(np.intp)
         random = np.random.default_rng(0)
@@ -367,7 +377,7 @@ def learn(
                 {q: part.completed(chain.states[k][q], part.few()[1], mean, random) for q, part in parts.items()}
             )
         previous = about
-        about, draws = _settled(model, about, states, chain.shares[rounds_used], single)
+        about, draws = _settled(linearised, about, states, chain.shares[rounds_used], single)
         start = chain.states[-1]
         if number and np.abs(about - previous).max() <= _STALE:
             break
@@ -381,33 +391,16 @@ def learn(
     return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
 
 
-@dataclass(frozen=True)
-class _Linearised:
-    """A model about constants, and what was measured."""
-
-    forward: Forward
-    rows: Measurements
-    inputs: tuple[Input, ...]
-    spread: Array
-
-    def at(self, about: Array) -> dict[int, Residuals]:
-        """Return the residuals of every measured output, linear in the constants."""
-        rows = self.rows
-        mean, slopes = self.forward(about)
-        residual = rows.value - mean + slopes @ about
-        scaled, parts = unit_coordinates(self.inputs, rows.points).T, {}
-        for q in rows.outputs:
-            k = rows.of(q)
-            parts[q] = Residuals.of(scaled[rows.row[k]], residual[k], slopes[k], rows.error[k], self.spread[k], mean[k])
-        return parts
-
-
 def _settled(
-    model: _Linearised, about: Array, states: Sequence[Mapping[int, State]], shares: Array, single: Flags
+    linearised: Callable[[Array], dict[int, Residuals]],
+    about: Array,
+    states: Sequence[Mapping[int, State]],
+    shares: Array,
+    single: Flags,
 ) -> tuple[Array, tuple[Draw, ...]]:
     """Constants about which their estimate stays, all else at its draws, and the posterior there."""
     for _ in range(_CHAIN_STEPS):
-        parts = model.at(about)
+        parts = linearised(about)
         draws = tuple(_draw(parts, state, share, single) for state, share in zip(states, shares, strict=True))
         mean, covariance = mixture(draws)
         move = np.clip(mean - about, -_FARTHEST_MOVE, _FARTHEST_MOVE)

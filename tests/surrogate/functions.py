@@ -5,7 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from approximation.arrays import Array
 from surrogate import Input
+from surrogate.data.inputs import physical_points
 
 INPUTS = (
     Input("mixture", 0.05, 0.95, "linear", "1", "mixture fraction"),
@@ -50,3 +52,18 @@ def scattered(count: int, seed: int, inputs: Sequence[Input] = INPUTS) -> xr.Dat
         input_.name: xr.DataArray(input_.from_unit(row), dims="case") for input_, row in zip(inputs, unit, strict=True)
     }
     return xr.Dataset({**x, **outputs(x)})
+
+
+def true_slopes(points: xr.Dataset, input_: Input) -> tuple[xr.Dataset, dict[str, xr.DataArray]]:
+    """Return the points a small step within an input's range, and differences of the outputs along it there."""
+    step, values = 1e-5 * (input_.high - input_.low), points[input_.name]
+    inner = points.where((values > input_.low + step) & (values < input_.high - step), drop=True)
+    columns = {str(name): column for name, column in inner.items()}
+    above, below = (outputs({**columns, input_.name: inner[input_.name] + sign * step}) for sign in (1, -1))
+    return inner, {name: (above[name] - below[name]) / (2 * step) for name in above}
+
+
+def inside(inputs: Sequence[Input], count: int, seed: int = 2, reach: float = 0.9) -> Array:
+    """Return random points within a share of the box about its middle, (n, d); beyond 1, the ends are among them."""
+    t = np.random.default_rng(seed).uniform(-reach, reach, (len(inputs), count)).clip(-1, 1)
+    return physical_points(inputs, t)

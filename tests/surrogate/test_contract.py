@@ -11,10 +11,11 @@ import pytest
 import xarray as xr
 
 from approximation.arrays import Array
-from surrogate import GaussianProcess, GridGP, GroupedGP, ScatterGP, load, save
+from storage.netcdf import read_whole, write_whole
+from surrogate import FormatError, GaussianProcess, GridGP, GroupedGP, ScatterGP, load, save
 from surrogate.transforms.measured.corrected import CorrectedGP
 from tests.surrogate import curved, functions, grouped
-from tests.surrogate.slopes import assert_slopes
+from tests.surrogate.functions import inside
 from tests.surrogate.use import test_learning
 
 
@@ -64,15 +65,9 @@ def fitted(name: str) -> GaussianProcess:
     return MODELS[name]()
 
 
-def inside(model: GaussianProcess, count: int = 12) -> Array:
-    """Points in the box, (n, d)."""
-    t = np.random.default_rng(2).uniform(-0.9, 0.9, (len(model.inputs_), count))
-    return np.stack([input_.from_unit(row) for input_, row in zip(model.inputs_, t, strict=True)], axis=1)
-
-
 @each_model
 def test_a_file_gives_the_same_answers_and_one_model_makes_one_file(name: str, tmp_path: Path) -> None:
-    model, X = fitted(name), inside(fitted(name))
+    model, X = fitted(name), inside(fitted(name).inputs_, 12)
     save(model, tmp_path / "a.nc")
     again = load(tmp_path / "a.nc")
     assert type(again) is type(model)
@@ -96,7 +91,7 @@ def test_a_file_gives_the_same_answers_and_one_model_makes_one_file(name: str, t
 
 @each_model
 def test_a_part_answers_as_the_whole(name: str) -> None:
-    model, X = fitted(name), inside(fitted(name))
+    model, X = fitted(name), inside(fitted(name).inputs_, 12)
     outputs = model.outputs_
     whole, all_slopes = model.predict(X), model.gradient(X)
     for chosen in ([outputs[-1]], [outputs[-1], outputs[0]]):
@@ -115,16 +110,27 @@ def test_a_part_answers_as_the_whole(name: str) -> None:
     assert model.outputs_ == outputs  # the model itself stays
 
 
+def assert_slopes(model: GaussianProcess, X: Array, rtol: float) -> None:
+    """Compare all derivatives at X (n, d) with fourth-order differences, to ``rtol`` of the largest slope."""
+    slopes = model.gradient_array(X)  # (n, p, d)
+    for k, input_ in enumerate(model.inputs_):
+        moves = 1e-4 * np.maximum(np.abs(X[:, k]), 0.01 * (input_.high - input_.low))
+        ends = [model.predict_array(X + move * moves[:, None] * np.eye(X.shape[1])[k]) for move in (-2, -1, 1, 2)]
+        difference = (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / (12 * moves[:, None])
+        room = rtol * np.max(np.abs(difference), axis=0)
+        assert np.all(np.abs(slopes[..., k] - difference) <= room + 1e-300), (input_.name, slopes[..., k], difference)
+
+
 @each_model
 def test_derivatives_are_differences_of_the_means(name: str) -> None:
     """Grids: an output that depends on every input, since a derivative that is zero leaves rounding."""
     model = fitted(name).only(["mixed"]) if name in ("grid", "calibrated") else fitted(name)
-    assert_slopes(model, inside(model, 5), rtol=SLOPES.get(name, 1e-5))
+    assert_slopes(model, inside(model.inputs_, 5), rtol=SLOPES.get(name, 1e-5))
 
 
 @each_model
 def test_one_point_has_the_numbers_of_a_block_in_every_way_of_asking(name: str) -> None:
-    model, X = fitted(name), inside(fitted(name))
+    model, X = fitted(name), inside(fitted(name).inputs_, 12)
     mean, std = model.predict_array(X, return_std=True)
     room = 1e-13 * np.ptp(mean, axis=0) if name in ("grid", "calibrated") else 1e-9 * np.ptp(mean, axis=0)
     for row, x in enumerate(X[:4]):
@@ -145,7 +151,7 @@ def test_one_point_has_the_numbers_of_a_block_in_every_way_of_asking(name: str) 
 @each_model
 def test_answers_share_nothing(name: str) -> None:
     model = fitted(name)
-    first, second = (dict(zip(model.box, x.tolist(), strict=True)) for x in inside(model, 2))
+    first, second = (dict(zip(model.box, x.tolist(), strict=True)) for x in inside(model.inputs_, 2))
     asks: list[Callable[..., xr.Dataset]] = [model.predict, model.interval]
     asks += [lambda point: model.predict(point, extrapolate=True), lambda p: model.gradient(p, extrapolate=True)]
     for ask in asks:
@@ -155,3 +161,32 @@ def test_answers_share_nothing(name: str) -> None:
         for answer in (after, ask(second)):
             xr.testing.assert_identical(answer, ask({key: xr.DataArray(value) for key, value in second.items()}))
         xr.testing.assert_equal(before, copied)
+
+
+#: Changes of a model's file, and what is said of them.
+SPOILT: list[tuple[str, Callable[[xr.Dataset], xr.Dataset], str]] = [
+    ("calibrated", lambda d: d.assign(calibration_rank=d.calibration_rank * 0), "ranks .* are not each there once"),
+    ("calibrated", lambda d: d.assign(calibration_length=-d.calibration_length), "rows of the calibration do not fit"),
+    ("calibrated", lambda d: d.assign(calibration_rank=d.calibration_rank * 1.0), "rows of the calibration do not fit"),
+    ("calibrated", lambda d: d.drop_vars("calibration_length"), "calibration_length"),
+    ("corrected", lambda d: d.assign(measured_output=0 * d.measured_output + 2), "is of no output or no row"),
+    ("corrected", lambda d: d.assign(measured_row=0 * d.measured_row), "an output is measured twice in a row"),
+    ("corrected", lambda d: d.assign(draw_noise=0 * d.draw_noise - 1), "inconsistent"),
+    ("corrected", lambda d: d.assign(draw_mean=0 * d.draw_mean), "predictions probe_mean do not come out again"),
+    ("corrected", lambda d: d.assign_attrs(effect_engine="corrected"), "unknown engine 'corrected'; known are grid"),
+    ("curves", lambda d: d.assign(largest_place=d.largest_place + 9), "from fields that its curves do not have"),
+    ("curves", lambda d: d.assign(curve_across_0=d.curve_across_0 + 1), "does not fit their panels"),
+    ("curves", lambda d: d.assign(curve_across_0=d.curve_across_0 * 0), "have panels of"),
+    ("curves", lambda d: d.assign(measure_linear_0=("other", np.zeros(3))), "a measure of shapes"),
+    ("curves", lambda d: d.assign_attrs(smooth_engine="curves"), "'curves'; known are grid, scatter, grouped"),
+]
+
+
+@pytest.mark.parametrize(("name", "change", "says"), SPOILT)
+def test_a_spoilt_file_is_refused(
+    name: str, change: Callable[[xr.Dataset], xr.Dataset], says: str, tmp_path: Path
+) -> None:
+    save(fitted(name), tmp_path / "a.nc")
+    write_whole(change(read_whole(tmp_path / "a.nc")), tmp_path / "b.nc")
+    with pytest.raises(FormatError, match=says):
+        load(tmp_path / "b.nc")

@@ -81,17 +81,17 @@ class Table:
         return column
 
 
-def one_case(option: str, text: str) -> Table:
-    """One case from an option ``NAME=VALUE,...``."""
+def one_case(option: str, text: str, units: Mapping[str, str] | None = None) -> Table:
+    """One case from an option ``NAME=VALUE,...``: of factors, or of names with their units."""
     columns: dict[str, NDArray[Any]] = {}
     bare = set()
     for name, value in named(option, text, valued=True).items():
-        if name in TEXT_FACTORS or name not in FACTORS:  # what is unknown the solver names
+        if name in (FACTORS if units is None else units):
+            unit, factor = (FACTORS[name].units, name) if units is None else (units[name], "")
+            columns[name] = np.array([quantity(f"{option}: {name}", value, unit, factor)])
+            bare |= {name} if is_number(value) else set()
+        else:  # a name, or what the solver or the surrogate does not know
             columns[name] = np.array([value], dtype=object)
-            continue
-        columns[name] = np.array([quantity(f"{option}: {name}", value, FACTORS[name].units, name)])
-        if is_number(value):
-            bare.add(name)
     return Table(option, columns, np.empty(0, dtype=np.int64), frozenset(bare))
 
 

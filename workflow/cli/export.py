@@ -12,7 +12,7 @@ import numpy as np
 import surrogate
 from storage.files import output, write_bytes
 from surrogate import GaussianProcess
-from workflow.cli.words import named, numbers, say, surrogate_file, trained
+from workflow.cli.words import named, say, surrogate_file, trained
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError
 
@@ -27,7 +27,8 @@ def export(options: argparse.Namespace) -> None:
 
     path = trained(options.surrogate)
     target = output(_target(options, path), path)
-    error = _error(options.error)
+    if not _LEAST <= (error := options.error) <= _MOST:
+        raise InputError(f"--error: {error:g}: must be one number from {_LEAST:g} to {_MOST:g}, a share of the range")
     model = surrogate.load(path)
     outputs = _outputs(model, options.outputs)
     try:
@@ -63,13 +64,6 @@ def _target(options: argparse.Namespace, path: Path) -> Path:
     if options.output.suffix != ending:
         raise InputError(f"-o: {options.output}: must end in {ending}")
     return Path(options.output)
-
-
-def _error(text: str) -> float:
-    values = numbers("--error", text)
-    if len(values) != 1 or not _LEAST <= values[0] <= _MOST:
-        raise InputError(f"--error: {text}: must be one number from {_LEAST:g} to {_MOST:g}, a share of the range")
-    return values[0]
 
 
 def _outputs(model: GaussianProcess, text: str | None) -> Sequence[str]:

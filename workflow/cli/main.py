@@ -37,9 +37,13 @@ def _option(*names: str, **details: Any) -> Option:
     return names, details
 
 
-def _written(*, required: bool = True, **endings: str) -> Option:
+def _optional(name: str, metavar: str, words: str | None = None, **details: Any) -> Option:
+    return _option(name, nargs="?", metavar=metavar, help=words, **details)
+
+
+def _written(words: str | None = None, *, required: bool = True, **endings: str) -> Option:
     names = "|".join(f"OUT.{ending}" for ending in endings)
-    return _option("-o", "--output", type=written_as(**endings), required=required, metavar=names)
+    return _option("-o", "--output", type=written_as(**endings), required=required, metavar=names, help=words)
 
 
 def _repeated(name: str, metavar: str, words: str | None = None, *, required: bool = False) -> Option:
@@ -47,9 +51,7 @@ def _repeated(name: str, metavar: str, words: str | None = None, *, required: bo
 
 
 _CASES = (
-    _option(
-        "cases", type=Path, nargs="?", metavar="CASES.csv", help="table of cases: one row a case, one column a factor"
-    ),
+    _optional("cases", "CASES.csv", "table of cases: one row a case, one column a factor", type=Path),
     _option("--at", metavar="NAME=VALUE,...", help="one case in place of a table"),
 )
 _MATERIALS = _option("--materials", type=Path, action="append", default=[], metavar="FILE.yaml",
@@ -80,18 +82,13 @@ COMMANDS = {
         "studies.show",
         "list names: studies, factors, quantities, materials",
         "list quantities",
-        _option("kind", nargs="?", metavar="KIND", help="one of these kinds; default: all"),
+        _optional("kind", "KIND", "one of these kinds; default: all"),
     ),
     "material": _command(
         "materials.show",
         "check a material and print its constants; or list the library",
         "material PZT-4",
-        _option(
-            "material",
-            nargs="?",
-            metavar="FILE.yaml",
-            help="a material's file or the name of a library material; none: the list",
-        ),
+        _optional("material", "FILE.yaml", "a material's file or the name of a library material; none: the list"),
     ),
     "solve": _command(
         "solve.solve_table",
@@ -111,13 +108,7 @@ COMMANDS = {
         "predict with a trained surrogate: values and intervals",
         "query results/quickstart --at volume_fraction=0.6,friction=0.2,radius=10cm,load=10kN/m,charge=0",
         _SURROGATE,
-        _option(
-            "table",
-            type=Path,
-            nargs="?",
-            metavar="AT.csv",
-            help="table of points: one row a point, one column an input",
-        ),
+        _optional("table", "AT.csv", "table of points: one row a point, one column an input", type=Path),
         _option("--at", metavar="NAME=VALUE,...", help="one point, whose answer is printed"),
         _written(required=False, csv="CSV"),
         _option(
@@ -150,13 +141,7 @@ COMMANDS = {
         _repeated("--limit", "'trailing_tension <= 50 MPa'"),
         _SI,
         _option("--json", action="store_true", help="print JSON instead of a table"),
-        _option(
-            "-o",
-            "--output",
-            type=written_as(csv="CSV", json="JSON"),
-            metavar="OUT.csv|.json",
-            help="write the answer instead of printing it",
-        ),
+        _written("write the answer instead of printing it", required=False, csv="CSV", json="JSON"),
     ),
     "invert": _command(
         "questions.infer",
@@ -188,7 +173,9 @@ COMMANDS = {
             metavar="NAME=VALUE,...",
             help="'input_capacitance=10 pF,input_resistance=1 GOhm'",
         ),
-        _option("--temperature", default="293.15", metavar="K", help="temperature of the circuit; default: 293.15"),
+        _option(
+            "--temperature", type=float, default=293.15, metavar="K", help="temperature of the circuit; default: 293.15"
+        ),
         _option("--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"),
         _written(csv="CSV"),
         _MATERIALS,
@@ -206,7 +193,13 @@ COMMANDS = {
         _SURROGATE,
         _option("--as", dest="form", required=True, choices=["c", "fmu"]),
         _option("--outputs", metavar="NAME,...", help="default: all"),
-        _option("--error", default="1e-5", metavar="SHARE", help="largest error over an output's range; default: 1e-5"),
+        _option(
+            "--error",
+            type=float,
+            default=1e-5,
+            metavar="SHARE",
+            help="largest error over an output's range; default: 1e-5",
+        ),
         _option("--precision", choices=["single", "double"], default="double", help="default: double"),
         _option("-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"),
         description=(
@@ -220,7 +213,7 @@ COMMANDS = {
         "benchmark.benchmark",
         "compare numbers of another code with a table of solved problems",
         "benchmark examples/answers.csv",
-        _option("answers", type=Path, nargs="?", metavar="ANSWERS.csv"),
+        _optional("answers", "ANSWERS.csv", type=Path),
         description=(
             "Prints a verdict for every number of the table (docs/benchmark.md). The file has the columns "
             "problem, quantity and value, in SI units. Without a file: prints the table."
@@ -254,13 +247,7 @@ COMMANDS = {
         _option("measured", type=Path, metavar="MEASURED.csv"),
         _option("--on", type=surrogate_file, required=True, metavar="results/STUDY/surrogate.nc"),
         _repeated("--uncertain", "NAME[=5%],...", "'BaTiO3 permittivity', 'BaTiO3 e33', 'steel modulus'"),
-        _option(
-            "-o",
-            "--output",
-            type=written_as(nc="netCDF"),
-            metavar="OUT.nc",
-            help="default: corrected.nc beside the surrogate",
-        ),
+        _written("default: corrected.nc beside the surrogate", required=False, nc="netCDF"),
         _JSON,
         description=(
             "Estimates uncertain constants and discrepancies from measured rows, with intervals. MEASURED.csv has "

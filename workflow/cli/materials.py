@@ -9,6 +9,7 @@ import numpy as np
 
 from approximation.arrays import Array
 from solver import Material, MaterialError, find, limiting_speed, materials
+from solver.described import Described
 from solver.halfplane.surface import HalfPlane
 from solver.material import datasheet
 from solver.material.constants import TRIGONAL, UNITS
@@ -30,8 +31,17 @@ _COMPLIANCE = (("Pa-1", "V m N-1", "A m N-1"), ("V m N-1", "V m C-1", "A m C-1")
 
 
 def show(options: argparse.Namespace) -> None:
-    """Print one material, or the list of all, as the options say."""
-    print(listed() if options.material is None else printable(described(options.material)))
+    """Print the list of all materials, or one: constants, alternatives, limits, Stroh roots and compliance.
+
+    A punch has its modulus, Poisson's ratio, density and constants for heat.
+    """
+    name = options.material
+    if name is None:
+        print(listed())
+        return
+    punch = _of_punch(name) if name in punches() and not Path(name).exists() else []
+    material = [] if punch and name not in materials() else [_of_material(name, Path(name))]
+    print(printable("\n".join([*material, *punch])))
 
 
 def listed() -> str:
@@ -72,31 +82,21 @@ def _coupling(material: Material) -> str:
     return "piezoelectric" if electric else "piezomagnetic" if magnetic else "elastic"
 
 
-def described(name: str) -> str:
-    """Constants, alternatives, limits, Stroh roots and compliance of a built-in material, or of a material's file.
-
-    A punch has its modulus, Poisson's ratio, density and constants for heat.
-    """
-    path = Path(name)
-    if name in punches() and not path.exists():
-        return "\n".join([*([_of_material(name, path)] if name in materials() else []), *_of_punch(name)])
-    return _of_material(name, path)
-
-
 def _of_punch(name: str) -> list[str]:
     punch = punches()[name]
     stiffness = f"modulus {shown(punch.modulus, 'Pa', _DIGITS)}, Poisson's ratio {punch.poisson:g}"
     return [
         _filled(f"{name} as a punch:", punch.source),
         f"  {stiffness}, density {punch.density:g} kg/m3, {'conducts' if punch.conducts else 'does not conduct'}",
-        *_for_heat(punch.thermal),
+        *_sourced("for heat", punch.thermal, THERMAL),
     ]
 
 
-def _for_heat(thermal: Mapping[str, Sourced]) -> list[str]:
-    return ["for heat"] * bool(thermal) + [
-        _filled(f"  {name:16s}  {shown(known.value, THERMAL[name].units, _DIGITS):11s}", known.source)
-        for name, known in thermal.items()
+def _sourced(heading: str, values: Mapping[str, Sourced], described: Mapping[str, Described]) -> list[str]:
+    """Lines with values and their sources below a heading; none without values."""
+    return [heading] * bool(values) + [
+        _filled(f"  {name:16s}  {shown(known.value, described[name].units, _DIGITS):11s}", known.source)
+        for name, known in values.items()
     ]
 
 
@@ -132,10 +132,8 @@ def _described(material: Material, half: HalfPlane | None) -> str:
         values = ", ".join(f"{name} = {shown(value, _units(name), _DIGITS)}" for name, value in other.constants.items())
         lines.append(_filled(f"{_in_line(variant.name)}:", f"{values}: {other.source}"))
     lines += _strain_form(material)
-    lines += ["limits"] if material.limits else []
-    for name, limit in material.limits.items():
-        lines.append(_filled(f"  {name:16s}  {shown(limit.value, LIMITS[name].units, _DIGITS):11s}", limit.source))
-    lines += _for_heat(material.thermal)
+    lines += _sourced("limits", material.limits, LIMITS)
+    lines += _sourced("for heat", material.thermal, THERMAL)
     if half is None:
         lines.append(f"surface x, y, normal in the crystal's axes ({material.cut or 'Z'})")
         return "\n".join(

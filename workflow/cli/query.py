@@ -14,9 +14,9 @@ from storage.files import output, writing
 from surrogate import GaussianProcess, OutOfBoxError
 from surrogate.data.points import outside
 from surrogate.intervals.distribution import NOMINAL
-from workflow.cli.casetable import Table, read_cases
+from workflow.cli.casetable import Table, one_case, read_cases
 from workflow.cli.textfile import write_columns
-from workflow.cli.words import place, say, trained
+from workflow.cli.words import say, trained
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, located, one_line
 
@@ -35,14 +35,9 @@ def query(options: argparse.Namespace) -> None:
     if options.table is not None and options.output is None:
         raise InputError("query: a table needs -o OUT.csv")
     if options.output is not None:
-        inputs = [path for path in (options.surrogate, options.table) if path is not None]
-        options.output = output(options.output, *inputs)
-    if options.at is not None:
-        units = {name: axis.units for name, axis in model.box.items()}
-        values = {name: np.array([value]) for name, value in place(options.at, units).items()}
-        table = Table("--at", values, np.empty(0, dtype=np.int64))
-    else:
-        table = read_cases(options.table)
+        options.output = output(options.output, options.surrogate, *filter(None, [options.table]))
+    inputs = {name: axis.units for name, axis in model.box.items()}
+    table = read_cases(options.table) if options.at is None else one_case("--at", options.at, inputs)
     level = _level(model, options.level)
     answer = _predicted(model, table, level, extrapolate=options.extrapolate)
     if not model.calibrated:

@@ -121,10 +121,8 @@ def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
     """Answer a question from the results of a study."""
     study, model = results(folder)
     question = target(study, words)
-    try:
-        check_target(study, "design", question)
-    except ValueError as error:
-        raise InputError(str(error)) from None
+    with located("design"):
+        check_target(study, question)
     answer = targets.answer(study, "question", question, model)
     if not answer.feasible:
         point = [f"{name} = {kind}" for name, kind in answer.combination.items()]
@@ -145,7 +143,8 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     point |= _read("at", words, _value)
     with located("invert"):
         for name, point_value in point.items():
-            check_values(study, "--at", name, [point_value])
+            with located("--at"):
+                check_values(study, name, [point_value])
         combination = {name: str(point.pop(name)) for name in study.categories}
         held = {name: float(value) for name, value in point.items()}
         outputs = [_learned(study, name, combination) for name in measured]

@@ -22,8 +22,7 @@ from workflow.cli.textfile import write_columns
 from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
-from workflow.device.signal import DROP, GONE, Figures, History, Signal, read
-from workflow.device.warmth import Warmth
+from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
 from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
@@ -46,7 +45,8 @@ def signal(options: argparse.Namespace) -> None:
     path = output(options.output, options.history, *options.materials)
     if not 1 <= options.parts <= _MOST_PARTS:
         raise InputError(f"--parts: {options.parts} is not a whole number from 1 to {_MOST_PARTS}")
-    temperature = _positive("--temperature", options.temperature)
+    if not 0 < (temperature := options.temperature) < np.inf:
+        raise InputError(f"--temperature: {temperature:g} is not a finite number > 0")
     materials = dict(read_material(path) for path in options.materials)
     case = _case(options.on)
     kind = kind_of([*case], case.get("profile", "cylinder"))
@@ -151,16 +151,6 @@ def _heat_figures(
         equal = shown(figures.noise[0] / per_kelvin, "K", 3)
         lines.append(f"noise floor as a temperature: {equal} that last {shown(after, 's', 3)}")
     return lines
-
-
-def _positive(where: str, text: str) -> float:
-    try:
-        value = number(text)
-    except ValueError:
-        value = np.nan
-    if not 0 < value < np.inf:
-        raise InputError(f"{where}: {text!r} is not a finite number > 0")
-    return value
 
 
 def _case(text: str) -> dict[str, Any]:

@@ -5,8 +5,8 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from itertools import chain, product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -70,13 +70,13 @@ def solve_table(options: argparse.Namespace) -> None:
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
     table, out = _solved(
-        options, lambda factors, materials: solve(factors, positions, materials=materials, peaks=options.peaks), points
+        options, lambda factors: solve(factors, positions, materials=options.known, peaks=options.peaks), points
     )
     _check_units(table, out)
     _tell_missing(*_lacking(table, out), out.attrs.get("heat", ""))
     if options.output is None:
         case = out.isel(case=0)
-        notes = [_defaults(table, case), *_left_out(table, options.materials)]
+        notes = [_defaults(table, case), *_left_out(table, options.known)]
         print("\n".join([*_lines(case, si=options.si), "", *notes]))
     else:
         write_whole(out, options.output)
@@ -84,34 +84,34 @@ def solve_table(options: argparse.Namespace) -> None:
 
 
 def _check_files(options: argparse.Namespace) -> None:
-    """Refuse other than one source of cases, fields in a table, and a path that cannot be written."""
+    """Refuse other than one source of cases, fields in a table, and a path that cannot be written; read materials."""
     if (options.cases is None) == (options.at is None):
         raise InputError(f"{options.command}: give either a table CASES.csv or --at NAME=VALUE,...")
     if options.output is not None:
         options.output = output(options.output, *filter(None, [options.cases]), *options.materials)
         if options.output.suffix == ".csv" and options.positions is not None:
             raise InputError(f"{options.output}: fields over position go to netCDF; name a file that ends in .nc")
+    options.known = dict(read_material(path) for path in options.materials)
 
 
 def _solve_blocks(options: argparse.Namespace) -> None:
     """Solve a table block by block into a file that appears whole."""
-    materials = dict(read_material(path) for path in options.materials)
     columns: dict[str, str] = {}
-    while (count := _written(options, materials, columns)) is None:
+    while (count := _written(options, columns)) is None:
         pass  # a block has further columns: all rows again, with those of all blocks so far
     _tell_written(options, count, f"{sum(name in ALL_QUANTITIES for name in columns)} quantities")
 
 
-def _written(options: argparse.Namespace, materials: Mapping[str, Material], columns: dict[str, str]) -> int | None:
+def _written(options: argparse.Namespace, columns: dict[str, str]) -> int | None:
     """Number of cases of a table that were written; None where a block has further columns, which are added."""
     count, strains = 0, list[Excess]()
     missing: dict[str, None] | None = None
-    partial: dict[str, None] = {}
+    incomplete: dict[str, None] = {}
     heat = ""
     with suppress(_FurtherColumnsError), writing(options.output) as file:
         for table in read_blocks(options.cases, _BLOCK) if options.cases else [one_case("--at", options.at)]:
             out = solved(
-                table, lambda factors: solve(factors, materials=materials, peaks=options.peaks), strains=strains
+                table, lambda factors: solve(factors, materials=options.known, peaks=options.peaks), strains=strains
             )
             _check_units(table, out)
             units = _units(out)
@@ -123,12 +123,12 @@ def _written(options: argparse.Namespace, materials: Mapping[str, Material], col
             write_columns(file, _columns(out, columns), headed=not count)
             lacking, partly = _lacking(table, out)
             heat = heat or out.attrs.get("heat", "")
-            partial |= dict.fromkeys([*partly, *(name for name in columns if name not in out)])
+            incomplete |= dict.fromkeys([*partly, *(name for name in columns if name not in out)])
             missing = dict.fromkeys(name for name in lacking if missing is None or name in missing)
             count += table.count
         if strains:
             say(f"meecontact: warning: {sentence(strains, count)}")
-        _tell_missing(list(missing or ()), [name for name in partial if name in ALL_QUANTITIES], heat)
+        _tell_missing(list(missing or ()), [name for name in incomplete if name in ALL_QUANTITIES], heat)
         return count
     return None
 
@@ -149,15 +149,15 @@ def _lacking(table: Table, out: xr.Dataset) -> tuple[list[str], list[str]]:
     return missing, [name for name in quantities if name in out and bool(out[name].isnull().any())]
 
 
-def _tell_missing(missing: Sequence[str], partial: Sequence[str], heat: str) -> None:
+def _tell_missing(missing: Sequence[str], incomplete: Sequence[str], heat: str) -> None:
     """Print which quantities no case has, why there is no heat, and which quantities some cases lack."""
     if missing:
         say(f"left out, because no case has them: {', '.join(missing)}")
     if heat:
         say(f"heat: {heat}")
-    if partial:
-        others = f" and {len(partial) - _NAMED} more" if len(partial) > _NAMED else ""
-        say(f"empty where a case has no such quantity: {', '.join(partial[:_NAMED])}{others}")
+    if incomplete:
+        others = f" and {len(incomplete) - _NAMED} more" if len(incomplete) > _NAMED else ""
+        say(f"empty where a case has no such quantity: {', '.join(incomplete[:_NAMED])}{others}")
 
 
 def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
@@ -190,23 +190,17 @@ def _defaults(table: Table, case: xr.Dataset) -> str:
     return "defaults: " + ", ".join(f"{name} {value}" for name, value in taken.items() if name not in named)
 
 
-def _left_out(table: Table, materials: Sequence[Path]) -> Iterator[str]:
+def _left_out(table: Table, known: Mapping[str, Material]) -> Iterator[str]:
     """A line for each effect that the model leaves out at the one case of a table."""
     case = {name: cells.tolist()[0] for name, cells in table.columns.items()}
     # a table needs neither studies nor designs
     from workflow.design.verdict import leftout
     from workflow.study.allowable import allowable
 
-    known = dict(read_material(path) for path in materials)
-
-    def solved(factors: Mapping[str, Any]) -> xr.Dataset:
-        return solve(factors, materials=known)
-
     surroundings = str(case.get("surroundings") or around(case))
     kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), surroundings, solids(case))
-    single = leftout.SolvedCase(
-        kind, case, solved, lambda name: allowable(name, case, known, _PHASES), {}, materials=known
-    )
+    solved, limit = partial(solve, materials=known), partial(allowable, factors=case, materials=known, phases=_PHASES)
+    single = leftout.SolvedCase(kind, case, solved, limit, {}, materials=known)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SmallStrainWarning)  # which the case itself has shown
         yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(single)]
@@ -239,8 +233,8 @@ def solve_inside(options: argparse.Namespace) -> None:
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
     points = len(x) * len(y)
 
-    def answer(factors: xr.Dataset, materials: Mapping[str, Material]) -> xr.Dataset:
-        return solve_interior(factors, x, y, fields=fields, materials=materials)
+    def answer(factors: xr.Dataset) -> xr.Dataset:
+        return solve_interior(factors, x, y, fields=fields, materials=options.known)
 
     table, out = _solved(options, answer, points, checked=True)
     write_whole(out, options.output)
@@ -248,21 +242,16 @@ def solve_inside(options: argparse.Namespace) -> None:
 
 
 def _solved(
-    options: argparse.Namespace,
-    answer: Callable[[xr.Dataset, Mapping[str, Material]], xr.Dataset],
-    points: int,
-    *,
-    checked: bool = False,
+    options: argparse.Namespace, answer: Callable[[xr.Dataset], xr.Dataset], points: int, *, checked: bool = False
 ) -> tuple[Table, xr.Dataset]:
     """A table of cases, and the answer to it; checked: whether bare forces are judged by their pressures before."""
     table = one_case("--at", options.at) if options.cases is None else read_cases(options.cases)
     if options.output is None and (table.count > 1 or options.positions is not None):
         what = "fields" if options.positions is not None else f"{table.count} cases"
         raise InputError(f"solve: {what} need -o OUT.nc or OUT.csv; one case is printed")
-    materials = dict(read_material(path) for path in options.materials)
     if checked and {"force", "load"} & table.bare:
-        _check_units(table, solved(table, lambda factors: solve(factors, materials=materials)))
-    return table, solved(table, lambda factors: answer(factors, materials), points)
+        _check_units(table, solved(table, lambda factors: solve(factors, materials=options.known)))
+    return table, solved(table, answer, points)
 
 
 def _tell_written(options: argparse.Namespace, count: int, what: str) -> None:

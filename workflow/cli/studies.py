@@ -18,33 +18,24 @@ _BEGINNING = Path(__file__).with_name("study.yaml")
 
 
 def init(options: argparse.Namespace) -> None:
-    """Write a study to begin with, as the options say."""
-    say(f"wrote {begin(options.name, options.like)}: meecontact run {options.name}")
+    """Write a commented study that runs as it is, as the options say."""
+    name, like = options.name, options.like
+    location.check_name(name, f"init: {name!r}")
+    path = location.FOLDER / f"{name}.yaml"
+    if path.exists():
+        raise InputError(f"init: {path} is there already; remove it, or choose another name")
+    known = location.files(location.BUNDLED)
+    if like is not None and like not in known:
+        raise InputError(f"--like: {like!r} is unknown; {nearest(like, list(known))}")
+    text = (_BEGINNING if like is None else known[like]).read_text(encoding="utf-8").replace("NAME", name, 1)
+    path.parent.mkdir(exist_ok=True)
+    write_text(path, text)
+    say(f"wrote {path}: meecontact run {name}")
 
 
 def show(options: argparse.Namespace) -> None:
     """Print the names of a kind, as the options say."""
     print(printable(listed(options.kind)))
-
-
-def begin(name: str, like: str | None = None) -> Path:
-    """Write a commented study that runs as it is."""
-    location.check_name(name, f"init: {name!r}")
-    path = location.FOLDER / f"{name}.yaml"
-    if path.exists():
-        raise InputError(f"init: {path} is there already; remove it, or choose another name")
-    text = _beginning(like).read_text(encoding="utf-8").replace("NAME", name, 1)
-    path.parent.mkdir(exist_ok=True)
-    write_text(path, text)
-    return path
-
-
-def _beginning(like: str | None) -> Path:
-    """The file that a study begins with."""
-    known = {file.stem: file for file in sorted(location.BUNDLED.glob("*.yaml"))}
-    if like is not None and like not in known:
-        raise InputError(f"--like: {like!r} is unknown; {nearest(like, list(known))}")
-    return _BEGINNING if like is None else known[like]
 
 
 def listed(kind: str | None) -> str:
@@ -60,10 +51,8 @@ def listed(kind: str | None) -> str:
 def _studies() -> str:
     """Name and title of every study of the current folder, and then of those that come with the program."""
     rows = {}
-    local, bundled = (
-        {file.stem: file for file in sorted(folder.glob("*.yaml"))} for folder in (location.FOLDER, location.BUNDLED)
-    )
-    for file in (local | {name: file for name, file in bundled.items() if name not in local}).values():
+    local = location.files(location.FOLDER)
+    for file in (local | location.files(location.BUNDLED) | local).values():
         lines = file.read_text(encoding="utf-8", errors="replace").splitlines()
         title = next((line.partition(":")[2] for line in lines if line.startswith("title:")), "")
         rows[file.stem] = (one_line(title.strip().strip("\"'")),)

@@ -12,8 +12,8 @@ from typing import Any, BinaryIO, TextIO
 import pandas as pd
 from numpy.typing import NDArray
 
-from solver import units
 from storage.files import regular
+from workflow.language.grammar import measures
 from workflow.language.wordings import plain
 from workflow.study.reading import InputError, number
 
@@ -206,11 +206,7 @@ def _named(text: str, known: Collection[str]) -> str | None:
 
 def is_unit(text: str) -> bool:
     """Return whether a text is a unit, or one in brackets."""
-    try:
-        units.parse(text.strip().strip("[]()"))
-    except ValueError:
-        return False
-    return bool(text.strip()) and not is_number(text)
+    return bool(text.strip()) and not is_number(text) and measures(text.strip().strip("[]()"))
 
 
 def quick_number(text: str) -> float | None:

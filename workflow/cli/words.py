@@ -7,7 +7,7 @@ import os
 import sys
 import unicodedata
 from argparse import ArgumentTypeError
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from solver.units import in_si
@@ -53,15 +53,13 @@ def _plain(letter: str) -> str:
 _REPLACING = "meecontact_ascii"
 _RAISED = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
 _ASCII = {
-    **dict(zip("⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ", "-0123456789/", strict=True)),
-    **dict.fromkeys("\u2212\u2013\u2014\u2010\u2011", "-"),
-    **dict.fromkeys("\u00a0\u2009\u202f\u2007", " "),
+    **dict.fromkeys("⁻\u2212\u2013\u2014\u2010\u2011", "-"),
     **dict.fromkeys("µμ", "u"),
     **dict.fromkeys("ΩΩ", "Ohm"),
     **dict.fromkeys("·⋅", " "),
     **dict.fromkeys("\u2018\u2019", "'"),
     **dict.fromkeys("\u201c\u201d\u201e", '"'),
-    "×": "x", "±": "+-", "…": "...", "→": "->", "≤": "<=", "≥": ">=", "≈": "~", "°": " deg", "σ": "sigma", "ε": "eps",
+    "×": "x", "±": "+-", "ᐟ": "/", "→": "->", "≤": "<=", "≥": ">=", "≈": "~", "°": " deg", "σ": "sigma", "ε": "eps",
     "α": "alpha", "β": "beta", "π": "pi", "τ": "tau", "ν": "nu", "ø": "o", "Ø": "O", "ł": "l", "ß": "ss", "æ": "ae",
     "•": "*", "─": "-", "│": "|", "█": "#", "√": "sqrt", "∞": "inf", "‰": "o/oo",
 }  # fmt: skip
@@ -137,15 +135,6 @@ def _parts(word: str) -> list[str]:
         else:
             parts[-1] += character
     return parts
-
-
-def place(text: str, units: Mapping[str, str]) -> dict[str, float]:
-    """Return the values of the option ``--at`` by name, in SI."""
-    texts = named("--at", text, valued=True)
-    for name in texts:
-        if name not in units:
-            raise InputError(f"--at: {name}: not an input of the surrogate; {nearest(name, list(units))}")
-    return {name: quantity(f"--at: {name}", value, units[name]) for name, value in texts.items()}
 
 
 def surrogate_file(text: str) -> Path:

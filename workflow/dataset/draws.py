@@ -64,10 +64,4 @@ def towards_ends(
 
 def _along(name: str, axis: Axis, u: Array) -> Array:
     """Values of a factor at shares of its range, in the scale of its axis."""
-    if axis.scale == "log":
-        values = axis.low * (axis.high / axis.low) ** u
-    elif axis.scale == "logit":
-        values = Input(name, axis.low, axis.high, axis.scale).from_unit(2 * u - 1)
-    else:
-        values = axis.low + (axis.high - axis.low) * u
-    return np.clip(values, axis.low, axis.high)
+    return np.clip(Input(name, axis.low, axis.high, axis.scale).from_unit(2 * u - 1), axis.low, axis.high)

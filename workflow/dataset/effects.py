@@ -1,13 +1,12 @@
 """The parametric study: one factor at a time about a baseline, on the exact solver, along the surface and inside."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 import solver  # whose maps of contacts in space are slow to import, and few studies have one
-from approximation.arrays import Array
 from solver import solve, solve_interior
 from solver.body import HALF_PLANE
 from solver.fields import FIELDS, POINT_FIELDS
@@ -26,8 +25,7 @@ def effect(study: Study, factor: str) -> xr.Dataset:
     The last value of a film's factor is the half-plane beside it, where the study asks for that: its name, or NaN
     among numbers.
     """
-    if study.effects is None:
-        raise ValueError("effects: the study has none")
+    assert study.effects is not None  # the rules are of studies that have them
     positions = study.effects.positions.values()
 
     def solved(case: Mapping[str, Any]) -> xr.Dataset:
@@ -55,12 +53,10 @@ def together(sweeps: Mapping[str, xr.Dataset]) -> xr.Dataset:
 
 def interior(study: Study, factor: str) -> xr.Dataset:
     """Fields below the punch over (factor, y, x) at the factor's first, middle and last value, as in `effect`."""
-    if study.effects is None or study.effects.interior is None:
-        raise ValueError("effects: the study has no interior")
-    shown = study.effects.interior
-    case = study.effects.case(factor)
-    values = study.effects.vary[factor]
-    case[factor] = [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
+    assert study.effects is not None
+    shown, case = study.effects.interior, study.effects.case(factor)
+    assert shown is not None
+    case[factor] = _few(study.effects.vary[factor])
     x, y = shown.grid()
 
     def solved(case: Mapping[str, Any]) -> xr.Dataset:
@@ -72,8 +68,7 @@ def interior(study: Study, factor: str) -> xr.Dataset:
 
 def spread(study: Study, factor: str) -> xr.Dataset:
     """Quantities of random surfaces of a rough sphere over (factor, realisation)."""
-    if study.effects is None:
-        raise ValueError("effects: the study has none")
+    assert study.effects is not None
     surfaces = {**study.effects.case(factor), "realisation": np.arange(study.effects.realisations)}
     out = solve(surfaces, materials=study.own_materials, phases=study.phases)
     return out[[name for name in SPREAD if name in out]].assign_attrs(title=f"effect of {factor} over random surfaces")
@@ -81,15 +76,15 @@ def spread(study: Study, factor: str) -> xr.Dataset:
 
 def maps(study: Study, factor: str) -> xr.Dataset:
     """Maps of contacts in space over (factor, y, x) at the factor's first, middle and last value, on one window."""
-    if study.effects is None:
-        raise ValueError("effects: the study has none")
-    case, every = study.effects.case(factor), study.effects.vary[factor]
-    values = [every[k] for k in dict.fromkeys((0, len(every) // 2, len(every) - 1))]
+    assert study.effects is not None
+    case, values = study.effects.case(factor), _few(study.effects.vary[factor])
     solved = [
         solver.solve_map({**case, factor: value}, materials=study.own_materials, phases=study.phases)
         for value in values
     ]
-    x, y = (_window([data[axis].values for data in solved]) for axis in ("x", "y"))
+    # on the widest of their windows
+    axes = {axis: np.concatenate([data[axis].values for data in solved]) for axis in ("x", "y")}
+    x, y = (np.linspace(points.min(), points.max(), _CELLS) for points in axes.values())
     together = [data.interp(x=x, y=y, method="linear").fillna(0.0) for data in solved]
     kept = [data[["contact_pressure", "electric_displacement"]].drop_vars(factor, errors="ignore") for data in together]
     labels = xr.DataArray(values, dims=factor, attrs={"units": FACTORS[factor].units if factor in FACTORS else "1"})
@@ -97,9 +92,9 @@ def maps(study: Study, factor: str) -> xr.Dataset:
     return out.assign_attrs(title=f"effect of {factor} on the contact", fields="contact_pressure electric_displacement")
 
 
-def _window(axes: Sequence[Array]) -> Array:
-    """Points over the widest of several windows."""
-    return np.linspace(min(axis[0] for axis in axes), max(axis[-1] for axis in axes), _CELLS)
+def _few(values: list[Any]) -> list[Any]:
+    """First, middle and last value of a factor."""
+    return [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
 
 
 def _beside_half_plane(

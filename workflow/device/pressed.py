@@ -18,8 +18,7 @@ from solver.names import BODY, FACTORS, OF_HEAT
 from solver.stack.electrodes import Electrode
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film, response
-from workflow.device.signal import DROP, Figures, History, read
-from workflow.device.warmth import Warmth
+from workflow.device.signal import DROP, Figures, History, Warmth, read
 from workflow.language.constants import DEVICE
 from workflow.study import layered, uncertainty
 from workflow.study.model import Study

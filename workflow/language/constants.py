@@ -1,6 +1,6 @@
 """Names that have one value in a design question: what materials bear, and what is read or driven through the punch."""
 
-from typing import Literal
+from typing import Literal, cast
 
 from solver.described import Described
 from solver.names import LIMITS
@@ -107,17 +107,11 @@ _CONTACTS: dict[Read, tuple[str, str, str]] = {
     "point": ("force", "capacitance", "blocked_force_per_volt"),
     "point in air": ("force", "capacitance_at_force", "blocked_force_per_volt"),
 }
-_CHARGE: dict[Read, Meeting] = {
-    "line": "line, charge amplifier",
-    "line in air": "line in air, charge amplifier",
-    "point": "point, charge amplifier",
-    "point in air": "point in air, charge amplifier",
-}
 
 
 def meeting_of(contact: Read, *, reads_charge: bool) -> Meeting:
     """Meeting of a contact that a charge amplifier or another one reads."""
-    return _CHARGE[contact] if reads_charge else contact
+    return cast("Meeting", f"{contact}, charge amplifier") if reads_charge else contact
 
 
 #: Figures of a device by meeting, each a formula of quantities, factors and constants in the language of designs.

@@ -128,7 +128,7 @@ class _Parser:
             return self._call(token, depth)
         if group == "name":
             if token not in self._known and token not in FACTORS:
-                if _measures(token):
+                if measures(token):
                     raise ValueError(f"{token!r} is a unit, and stands behind a number without brackets: 0.5 V m N-1")
                 raise ValueError(f"{token!r} is not a quantity; {nearest(token, [*self._known, *FACTORS])}")
             formula = self._known[token].formula if token in self._known else ""
@@ -164,10 +164,10 @@ class _Parser:
         return tree
 
 
-def _measures(token: str) -> bool:
-    """Return whether a name is the symbol of a unit."""
+def measures(text: str) -> bool:
+    """Return whether a text is a unit."""
     try:
-        units.parse(token)
+        units.parse(text)
     except ValueError:
         return False
     return True

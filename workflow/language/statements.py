@@ -9,6 +9,7 @@ bound     := number [unit] | [number ["%"]] ["of"] name         the name of what
 import re
 from dataclasses import dataclass
 from math import isfinite
+from typing import Any
 
 from solver import units
 from workflow.language import grammar
@@ -81,30 +82,24 @@ class Limit(Statement):
 
 def objective(text: str, *, maximise: bool = True, meeting: Meeting = "line") -> Objective:
     """Read an objective."""
-    inner, over = _unwrapped(text)
-    if over is not None and maximise:
+    fields = _stated(text, text, meeting)
+    if fields["deviation"] and maximise:
         raise ValueError(f"{text!r}: a deviation is minimised")
-    return Objective(
-        text=_spaced(text),
-        inner=_spaced(inner),
-        expression=grammar.parse(inner, meeting),
-        deviation=over is not None,
-        over=over or (),
-        meeting=meeting,
-        maximise=maximise,
-    )
+    return Objective(**fields, maximise=maximise)
 
 
-def _spaced(text: str) -> str:
-    """A text with single spaces."""
-    return " ".join(text.split())
-
-
-def _unwrapped(text: str) -> tuple[str, tuple[str, ...] | None]:
-    """An expression within a deviation, and the factors over which that is taken; None where there is no deviation."""
-    if len(text) > grammar.LONGEST or (match := _DEVIATION.fullmatch(text)) is None:
-        return text, None
-    return match["inner"], tuple(name.strip() for name in (match["over"] or "").split(",") if name.strip())
+def _stated(text: str, left: str, meeting: Meeting) -> dict[str, Any]:
+    """Fields of a statement whose expression, or deviation of one, is `left`."""
+    match = _DEVIATION.fullmatch(left) if len(left) <= grammar.LONGEST else None
+    inner, over = (match["inner"], match["over"] or "") if match else (left, "")
+    return {
+        "text": " ".join(text.split()),
+        "inner": " ".join(inner.split()),
+        "expression": grammar.parse(inner, meeting),
+        "deviation": match is not None,
+        "over": tuple(name.strip() for name in over.split(",") if name.strip()),
+        "meeting": meeting,
+    }
 
 
 def limit(text: str, meeting: Meeting = "line") -> Limit:
@@ -114,8 +109,8 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     match = _LIMIT.fullmatch(text)
     if match is None or (match["value"] is None and not match["allowable"]):
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
-    inner, over = _unwrapped(match["left"])
-    expression, wrapped = grammar.parse(inner, meeting), over is not None
+    fields = _stated(text, match["left"], meeting)
+    expression, wrapped = fields["expression"], fields["deviation"]
     try:
         unit = units.parse(match["unit"])
     except ValueError as error:
@@ -140,12 +135,7 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     bare = not match["unit"] and not allowable and value != 0
     unitless = bare and expected is not None and not expected.fits(units.Unit.none())
     return Limit(
-        text=_spaced(text),
-        inner=_spaced(inner),
-        expression=expression,
-        deviation=wrapped,
-        over=over or (),
-        meeting=meeting,
+        **fields,
         value=value,
         upper="<" in match["sign"],
         probability=probability,

@@ -70,9 +70,10 @@ class Summary:
         if count < FEW:
             content |= {"discrepancies": [], "errors": [], "outliers": []}
         elif single.any():
-            content["single_constants_off"] = _verdict(
-                "single constants are off beside their families", posterior.own_odds
-            )
+            what = "single constants are off beside their families"
+            said = f"{what} ({_odds_said(posterior.own_odds)})"
+            verdict = _verdict(posterior.own_odds, said, f"not seen: {said}", f"neither shown nor excluded: {said}")
+            content["single_constants_off"] = {"what": what, **verdict}
         return cls(content | {"not_told_apart": _open(content)})
 
     @property
@@ -123,16 +124,10 @@ def _odds_said(odds: float) -> str:
     return f"less than 1 to {ROUNDS}" if odds < 1 / ROUNDS else f"odds {odds:.2g} to 1"
 
 
-def _verdict(what: str, odds: float) -> dict[str, Any]:
-    """Return whether an explanation is needed."""
-    said = _odds_said(odds)
-    if odds > REAL:
-        verdict = f"{what} ({said})"
-    elif odds < UNSEEN:
-        verdict = f"not seen: {what} ({said})"
-    else:
-        verdict = f"neither shown nor excluded: {what} ({said})"
-    return {"what": what, "odds": min(max(odds, 1 / ROUNDS), float(ROUNDS)), "verdict": verdict}
+def _verdict(odds: float, real: str, unseen: str, undecided: str) -> dict[str, Any]:
+    """Return the odds for an explanation, and one of three verdicts."""
+    verdict = real if odds > REAL else unseen if odds < UNSEEN else undecided
+    return {"odds": min(max(odds, 1 / ROUNDS), float(ROUNDS)), "verdict": verdict}
 
 
 def _constants(posterior: Learnt, constants: list[Constant]) -> list[dict[str, Any]]:
@@ -162,7 +157,7 @@ def _discrepancy(
     posterior: Learnt, rows: Measurements, model: GaussianProcess, nominal: Array, q: int
 ) -> dict[str, Any]:
     """Return the odds of an output's discrepancy, and its size at the measured points."""
-    k, odds = rows.of(q), posterior.odds[q]
+    k = rows.of(q)
     size = float(np.sqrt(np.mean(nominal[k] ** 2)))
     values = []
     for draw in posterior.draws:
@@ -170,15 +165,14 @@ def _discrepancy(
         mean, by_constants, _ = discrepancy.at(discrepancy.points)
         values.append(mean - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
-    said = _odds_said(odds)
-    if odds > REAL:
-        verdict = f"a discrepancy that no constant explains is real ({said}), {100 * share:.2g} % of its size"
-    elif odds < UNSEEN:
-        verdict = f"no discrepancy is seen beside the constants ({said})"
-    else:
-        verdict = f"a discrepancy is neither shown nor excluded ({said}), {100 * share:.2g} % of its size"
-    odds = min(max(odds, 1 / ROUNDS), float(ROUNDS))
-    return {"output": model.outputs_[q], "odds": odds, "share_of_size": share, "verdict": verdict}
+    said, percent = _odds_said(posterior.odds[q]), f"{100 * share:.2g} % of its size"
+    verdict = _verdict(
+        posterior.odds[q],
+        f"a discrepancy that no constant explains is real ({said}), {percent}",
+        f"no discrepancy is seen beside the constants ({said})",
+        f"a discrepancy is neither shown nor excluded ({said}), {percent}",
+    )
+    return {"output": model.outputs_[q], "share_of_size": share, **verdict}
 
 
 def _errors(posterior: Learnt, model: GaussianProcess, q: int) -> dict[str, Any]:

@@ -131,13 +131,8 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
 def _regular(study: Study, axes: dict[str, Any], angles: Array) -> xr.Dataset:
     """Exact regular parts over the axes' dimensions and ``angle``."""
     X = -np.cos(angles)
-    out = solve({**study.fixed, **axes}, X, materials=study.own_materials, phases=study.phases, regular=True).drop_vars(
-        "position"
-    )
-    positions = xr.DataArray(X, dims="position")
-    alpha = out["pressure_exponent"]
+    out = solve({**study.fixed, **axes}, X, materials=study.own_materials, phases=study.phases, regular=True)
     parts = {name: out[f"{name}_regular"] for name in NAMES[1:]}
-    parts["contact_pressure"] = (
-        out["contact_pressure"] / ((1 - positions) ** alpha * (1 + positions) ** (1 - alpha))
-    ).assign_attrs(FIELDS["contact_pressure"].attrs)
+    singular = weights(X, out["pressure_exponent"])["contact_pressure"]
+    parts["contact_pressure"] = (out["contact_pressure"] / singular).assign_attrs(FIELDS["contact_pressure"].attrs)
     return xr.Dataset(parts).rename(position="angle").assign_coords(angle=angles)

@@ -1,7 +1,7 @@
 """Both times side by side: the exact solver and the surrogate on the same cases, measured now on this machine."""
 
 from collections.abc import Callable
-from time import perf_counter
+from timeit import repeat, timeit
 
 import numpy as np
 import xarray as xr
@@ -60,18 +60,11 @@ def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float |
 
 
 def _once(action: Callable[[], object]) -> float:
-    """The first run, in which tables are made."""
-    start = perf_counter()
-    action()
-    return perf_counter() - start
+    """The first run, in which tables are made [s]."""
+    return timeit(action, number=1)
 
 
 def seconds(action: Callable[[], object], repeats: int = 3) -> float:
     """The least time of a few runs, after one that warms up [s]."""
     action()
-    times = []
-    for _ in range(repeats):
-        start = perf_counter()
-        action()
-        times.append(perf_counter() - start)
-    return min(times)
+    return min(repeat(action, number=1, repeat=repeats))

@@ -7,7 +7,7 @@ import xarray as xr
 from storage.described import described
 from surrogate import CrossGP, GaussianProcess, GridGP, GroupedGP
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.levels import counts
+from surrogate.levels import counts, lines
 from surrogate.transforms.transformed import groups_of
 from surrogate.use import validation
 from workflow.dataset import batches, factorial
@@ -39,16 +39,12 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
         crossing = (lambda names: _crossing(study)) if study.crossed else None
         model = GroupedGP(by, compression=compression(study), process=crossing)
     else:
-        model = _crossing(study) if study.crossed else process(study, study.output_names)
+        plain = GridGP(factorial.inputs(study), study.output_names, compression=compression(study))
+        model = _crossing(study) if study.crossed else plain
     model.made_from_ = study.physics
     if study.surrogate.level is not None:
         model.level_ = study.surrogate.level
     return model.fit(data)
-
-
-def process(study: Study, outputs: Sequence[str]) -> GridGP:
-    """The process of some outputs on the study's factorial, not fitted."""
-    return GridGP(factorial.inputs(study), outputs, compression=compression(study))
 
 
 def _crossing(study: Study) -> CrossGP:
@@ -81,7 +77,7 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     by = groups_of(model)
     reduced = factorial.scaled(study, quantities, by)
     if study.crossed:
-        decays = counts.decays_of_lines(_crossing(study), reduced)
+        decays = lines.decays(_crossing(study), reduced)
     else:
         decays = counts.decays(reduced, factorial.axis_inputs(study), study.output_names)
     if by is not None:
@@ -103,8 +99,3 @@ def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gau
     logs = [] if by is None else [name for name, scaling in by.scalings.items() if scaling.logarithm]
     attributes = {"logarithms": "; ".join(logs)} if logs else {}
     return table.assign_attrs(tolerance=study.validation.tolerance, **attributes)
-
-
-def calibrated(study: Study, model: GaussianProcess, cases: xr.Dataset) -> GaussianProcess:
-    """Model with intervals calibrated on held-out cases."""
-    return model.calibrate(curves.training_data(study, cases))

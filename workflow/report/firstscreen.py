@@ -17,8 +17,19 @@ from solver.stack.layers import RIGID
 from workflow.design.verdict import linearity
 from workflow.design.verdict.answer import Answer, Term
 from workflow.design.verdict.leftout import LeftOut, largest
-from workflow.design.wording import asides
-from workflow.design.wording.words import BEYOND, RECOMMENDED, UNREACHABLE, verdict, within
+from workflow.design.wording.words import (
+    BEYOND,
+    RECOMMENDED,
+    UNREACHABLE,
+    band,
+    exceeded,
+    first_to_break,
+    in_brackets,
+    spread,
+    tolerances,
+    verdict,
+    within,
+)
 from workflow.language import given, titles
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import number, shown
@@ -86,11 +97,11 @@ def answered(study: Study, name: str, target: Target, answer: Answer, solved: Ma
     moving = {str(row["name"]) for row in solved["on_datum"] if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
-           asides.spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
+           spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
     return Card(
         title=study.titles[name],
         built=built,
-        build=unbroken(built + asides.within(answer)),
+        build=unbroken(built + in_brackets(answer)),
         does=unbroken(_good(target, answer, moving, reference)),
         stops=unbroken(capital(judged.stops)),
         doubt=doubted(narrowed),
@@ -99,8 +110,8 @@ def answered(study: Study, name: str, target: Target, answer: Answer, solved: Ma
         drawing=_drawing(of_case(study, case, solved["contact"]), name, study.titles[name], built),
         name=name,
         code=answer.goal,
-        beyond=unbroken(asides.exceeded(answer)),
-        breaks=unbroken(asides.first_to_break(answer)),
+        beyond=unbroken(exceeded(answer)),
+        breaks=unbroken(first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
     )
 
@@ -231,7 +242,7 @@ def _good(target: Target, answer: Answer, moving: Collection[str], reference: fl
 
 def _with_band(goal: Term) -> str:
     """Exact value of a goal with its spread by uncertain constants, without line breaks."""
-    return f"{goal.shown(goal.exact)}{asides.band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
+    return f"{goal.shown(goal.exact)}{band(goal.spread)}".replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _over(target: Target) -> str:
@@ -242,7 +253,7 @@ def _over(target: Target) -> str:
 
 def cost(answer: Answer) -> str:
     """Cost of the tolerances, and of a 1 % error in every other variable that matters."""
-    parts = asides.tolerances(answer)
+    parts = tolerances(answer)
     for variable in answer.variables:
         error = variable.sensitivity
         if variable.chosen and error.matters and error.cost > 0 and not variable.tolerance:
@@ -294,7 +305,7 @@ def card(
     stops.append(f"forces below {shown(signal['noise_force'], 'N', 2)} are lost in the noise")
     title = signal_study.title or f"{capital(punch_in_words(case))}, read by its amplifier"
     charge, output = shown(abs(signal["contact_charge"]), "C", 3), shown(abs(signal["contact_output"]), "V", 3)
-    bands_of_both = [asides.band(signal[name]) for name in ("charge_spread", "output_spread")]
+    bands_of_both = [band(signal[name]) for name in ("charge_spread", "output_spread")]
     if bands_of_both[0] and bands_of_both[0] == bands_of_both[1]:  # said once
         read = f"{charge} and {output} at the output, both{bands_of_both[0]}"
     else:

@@ -21,7 +21,7 @@ from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, listed, title, value
 from workflow.learning.timing import by_quantity
 from workflow.report import firstscreen, ranked, sections, sentences, symbols, tables, whatif
-from workflow.report.svg import element, inlined
+from workflow.report.svg import element
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
 from workflow.study.model import Study
@@ -152,7 +152,7 @@ def _environment() -> Environment:
     environment.filters |= {
         "number": number,
         "seconds": _seconds,
-        "words": _words,
+        "words": lambda name: name.replace("_", " "),
         "title": title,
         "capital": capital,
         "share": _share,
@@ -240,7 +240,8 @@ def _figure(path: Path) -> dict[str, Any]:
     kind, _, target = path.stem.partition("_")
     caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
     alt = f"{kind} {target.replace('_', ' ')}: {caption}".replace(" :", ":")
-    return {"caption": caption, "svg": inlined(path, alt), "name": path.stem, "kind": kind}
+    svg = element(path.read_text(encoding="utf-8"), path.stem, alt, 1.9)
+    return {"caption": caption, "svg": svg, "name": path.stem, "kind": kind}
 
 
 def _seconds(value: float) -> str:
@@ -254,8 +255,3 @@ def _seconds(value: float) -> str:
 def _share(part: float, digits: int) -> str:
     """A share of a whole in percent; what is next to none is none."""
     return f"{number(100 * part, digits) if abs(part) >= _LEAST else 0} %"
-
-
-def _words(name: str) -> str:
-    """A name of the interface as words."""
-    return name.replace("_", " ")

@@ -10,6 +10,5 @@ from workflow.study import planned
 snakemake, config = planned.start(globals())
 quantities = read_whole(snakemake.input.quantities)
 model = training.fit(config, curves.joined(config, quantities, snakemake.input.slabs))
-calibration = read_whole(snakemake.input.calibration)
-model = training.calibrated(config, model, calibration)
+model.calibrate(curves.training_data(config, read_whole(snakemake.input.calibration)))
 save(model, Path(snakemake.output[0]))

@@ -37,10 +37,12 @@ def check_quantities(study: Contents) -> None:
     if study.surrogate.fields and study.categories:
         raise ValueError(f"surrogate: fields: are not learned over categories: {', '.join(study.categories)}")
     for label, target in study.design.items():
-        check_target(study, f"design: {label}", target)
+        with located(f"design: {label}"):
+            check_target(study, target)
     _check_signal(study)
     for label, readout in study.readout.items():
-        _check_readout(study, f"readout: {label}", readout)
+        with located(f"readout: {label}"):
+            _check_readout(study, readout)
 
 
 def _check_signal(study: Contents) -> None:
@@ -69,65 +71,65 @@ def _check_pressed(study: Contents, design: str) -> None:
             raise ValueError(f"signal: these cases have no {name}, whose charge would be read")
 
 
-def _check_readout(study: Contents, where: str, readout: Readout) -> None:
+def _check_readout(study: Contents, readout: Readout) -> None:
     """Raise ValueError unless a read-out holds or infers every factor, and measures learned quantities."""
     for name in study.factors:
         if (name in readout.infer) + (name in readout.at) != 1:
-            raise ValueError(f"{where}: {name!r} must be either in infer or in at")
+            raise ValueError(f"{name!r} must be either in infer or in at")
     for name in study.categories:
         if name not in readout.at:
-            raise ValueError(f"{where}: {name!r} is missing; put it in at")
+            raise ValueError(f"{name!r} is missing; put it in at")
     for name in readout.infer:
-        check_values(study, where, name, [])
+        check_values(study, name, [])
     for name, value in readout.at.items():
-        check_values(study, where, name, [value])
+        check_values(study, name, [value])
     for name in readout.measured:
         if name not in study.outputs:
-            raise ValueError(f"{where}: {name!r} is not one of surrogate.outputs")
+            raise ValueError(f"{name!r} is not one of surrogate.outputs")
 
 
-def check_target(study: Contents, where: str, target: Target) -> None:
+def check_target(study: Contents, target: Target) -> None:
     """Raise ValueError unless a target asks for every factor once, within its range, and for learned outputs."""
     named = [*target.over, *target.at, *target.worst_case, *target.uncertain]
     for name in named:
         if named.count(name) > 1:
-            raise ValueError(f"{where}: {name!r} is given twice; over, at, worst_case and uncertain exclude each other")
-        check_values(study, where, name, target.values(name))
+            raise ValueError(f"{name!r} is given twice; over, at, worst_case and uncertain exclude each other")
+        check_values(study, name, target.values(name))
     for name in (*study.factors, *study.categories):
         if name not in named:
             places = "over, at, worst_case or uncertain" if name in study.factors else "over or at"
-            raise ValueError(f"{where}: {name!r} is missing; put it in {places}")
+            raise ValueError(f"{name!r} is missing; put it in {places}")
     for name in target.names():
         varied = name in study.factors or name in CONSTANTS
         if name in FACTORS and not varied and not isinstance(study.held(name), float | int):
-            raise ValueError(f"{where}: {name!r} {_lack(study, name) or 'has no value in this study'}")
+            raise ValueError(f"{name!r} {_lack(study, name) or 'has no value in this study'}")
         if name in ALL_QUANTITIES and name not in study.outputs:
             searched = name in ALL_PEAKS.keys() - study.absent - study.searched
             needs = "needs dataset: peaks: true" if searched else _lack(study, name)
-            raise ValueError(f"{where}: {name!r} {needs or 'is not one of surrogate.outputs'}")
+            raise ValueError(f"{name!r} {needs or 'is not one of surrogate.outputs'}")
     for name in target.tolerance:
-        _check_tolerance(study, f"{where}: tolerance: {name}", name, target)
+        with located(f"tolerance: {name}"):
+            _check_tolerance(study, name, target)
     for name in (name for name in target.constants() if name not in study.factors):
         for narrowed in study.chosen(target):
-            with located(where):
-                narrowed.constant(name)
+            narrowed.constant(name)
 
 
-def _check_tolerance(study: Contents, where: str, name: str, target: Target) -> None:
+def _check_tolerance(study: Contents, name: str, target: Target) -> None:
     """Raise ValueError where a tolerance leaves no value whose whole tolerance is within the study's range."""
     if name not in study.factors:
-        raise ValueError(f"{where}: a category has none")
+        raise ValueError("a category has none")
     axis, tolerance = study.factors[name], target.tolerance[name]
     if target.tolerances[name][1] and axis.low <= 0:
-        raise ValueError(f"{where}: {tolerance} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
+        raise ValueError(f"{tolerance} of what may be 0 is none; must have a unit [{FACTORS[name].units}]")
     low, high = target.room(name, axis.low, axis.high)
     if name in target.continuous:
         low, high = target.range(name, low, high)
     if not low < high:
-        raise ValueError(f"{where}: {tolerance} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
+        raise ValueError(f"{tolerance} is larger than the range {axis.low:g} to {axis.high:g} leaves room for")
     for value in target.variables[name].choices:
         if isinstance(value, str) or not low <= value <= high:
-            raise ValueError(f"{where}: {tolerance} of {value} is not within {axis.low:g} to {axis.high:g}")
+            raise ValueError(f"{tolerance} of {value} is not within {axis.low:g} to {axis.high:g}")
 
 
 def _lack(study: Contents, name: str) -> str:
@@ -150,21 +152,21 @@ def _instead(study: Contents, name: str) -> str:
     return f": a {kind.name} has {' and '.join(alike)}" if alike else ""
 
 
-def check_values(study: Contents, where: str, name: str, values: Sequence[float | str]) -> None:
+def check_values(study: Contents, name: str, values: Sequence[float | str]) -> None:
     """Raise ValueError unless the study has a factor or category, and values are among what it has of it."""
     if name in study.categories:
         for value in values:
             if value not in study.categories[name]:
-                raise ValueError(f"{where}: {name}: {value!r} is not one of {', '.join(study.categories[name])}")
+                raise ValueError(f"{name}: {value!r} is not one of {', '.join(study.categories[name])}")
         return
     if name not in study.factors:
         known = ", ".join((*study.factors, *study.categories))
-        raise ValueError(f"{where}: {name!r} is not one of the study's factors: {known}")
+        raise ValueError(f"{name!r} is not one of the study's factors: {known}")
     axis = study.factors[name]
     for value in values:
         if isinstance(value, str):
-            raise ValueError(f"{where}: {name}: {value!r} is not a number")
+            raise ValueError(f"{name}: {value!r} is not a number")
         if not axis.low <= value <= axis.high:
             end = "low" if value < axis.low else "high"
             message = f"{name} = {value:g} is not within {axis.low:g} to {axis.high:g}"
-            raise ValueError(f"{where}: {message}, the range of the study (factors: {name}: {end})")
+            raise ValueError(f"{message}, the range of the study (factors: {name}: {end})")

@@ -37,7 +37,7 @@ from workflow.study.sections import (
     Verification,
 )
 from workflow.study.target import Distribution, Target
-from workflow.study.types import BY_FACTOR, CategoryName, FactorName, InputName, Number, Strict
+from workflow.study.types import BY_FACTOR, Case, CategoryName, FactorName, Strict
 
 #: Sections that decide what a case is and what the solver answers.
 PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
@@ -62,25 +62,20 @@ class Contents(Strict):
 
     title: str = Field(min_length=1, max_length=200, description="headline of the report")
     description: str = Field("", description="what the study is for")
-    materials: list[str] = Field(default_factory=list, description="files of own materials, relative to the study")
+    materials: list[str] = Field([], description="files of own materials, relative to the study")
     phases: Annotated[list[str], Field(min_length=2, max_length=2)] = Field(
         default_factory=lambda: ["BaTiO3", "CoFe2O4"], description="phase one (fibres) and phase two (matrix)"
     )
-    fixed: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
-        default_factory=dict, description="factors with one value"
-    )
-    factors: Annotated[dict[FactorName, Axis], BY_FACTOR] = Field(
-        default_factory=dict, description="the axes of the factorial"
-    )
+    fixed: Case = Field({}, description="factors with one value")
+    factors: Annotated[dict[FactorName, Axis], BY_FACTOR] = Field({}, description="the axes of the factorial")
     categories: dict[CategoryName, Annotated[list[str], Field(min_length=2, max_length=8)]] = Field(
-        default_factory=dict, description="factors that take one of a few names; every case is solved for each"
+        {}, description="factors that take one of a few names; every case is solved for each"
     )
     groups: dict[str, Group] = Field(
-        default_factory=dict,
-        description="axes of the data set, each a product of powers of factors, as load * radius / thickness^2",
+        {}, description="axes of the data set, each a product of powers of factors, as load * radius / thickness^2"
     )
     body: list[layered.BodyLayer] = Field(
-        default_factory=list, description="layers from the top down, in place of one material and a film's factors"
+        [], description="layers from the top down, in place of one material and a film's factors"
     )
     dataset: DataSet = Field(default_factory=DataSet, description="what is stored of the factorial")
     surrogate: Surrogate = Field(default_factory=Surrogate, description="the Gaussian process")
@@ -90,13 +85,13 @@ class Contents(Strict):
         description="what the punch is connected to, for figures of a device; the punch is of steel unless it is "
         "named, and beside it is air unless fixed or categories name surroundings or air lacks what is asked for",
     )
-    design: dict[str, Target] = Field(default_factory=dict, description="design targets by name")
+    design: dict[str, Target] = Field({}, description="design targets by name")
     signal: Pressing | None = Field(None, description="a press in time on a design, as its amplifier reads it")
-    readout: dict[str, Readout] = Field(default_factory=dict, description="what measurements tell, by name")
+    readout: dict[str, Readout] = Field({}, description="what measurements tell, by name")
     effects: Effects | None = Field(None, description="one factor at a time, as figures")
     verification: Verification | None = Field(None, description="checks of the solver against independent methods")
     measurements: dict[str, Measurement] = Field(
-        default_factory=dict,
+        {},
         max_length=100,
         description="published measurements that the model is held against, by name",
     )

@@ -32,7 +32,7 @@ def given(text: str) -> str:
     path = Path(url2pathname(text.removeprefix(_ADDRESS))) if text.startswith(_ADDRESS) else Path(text)
     if path.suffix not in (".yaml", ".yml"):
         bundled = BUNDLED / f"{text}.yaml"
-        if not _NAME.fullmatch(text) or text in _here() or text in _paths() or not bundled.is_file():
+        if not _NAME.fullmatch(text) or text in files(FOLDER) or text in _paths() or not bundled.is_file():
             return text
         path = bundled
     if not path.is_file():
@@ -56,20 +56,20 @@ def location(name: str) -> Path:
     """The file of a study."""
     if name in (paths := _paths()):
         return Path(paths[name])
-    known = _here()
+    known = files(FOLDER)
     if name in known:
         check_name(name, f"study: {name!r}")
-        return FOLDER / f"{name}.yaml"
-    bundled = sorted({file.stem for file in BUNDLED.glob("*.yaml")} - {*known})
+        return known[name]
+    bundled = [other for other in files(BUNDLED) if other not in known]
     where = "" if known else f": {Path.cwd()} has no {FOLDER}/*.yaml; go to a folder that has one"
     raise InputError(
         f"study: {name!r} is unknown{where}; {nearest(name, [*known, *bundled])}; or the path of a study's file"
     )
 
 
-def _here() -> list[str]:
-    """Names of the studies of this folder."""
-    return sorted(file.stem for file in FOLDER.glob("*.yaml"))
+def files(folder: Path) -> dict[str, Path]:
+    """Files of the studies of a folder by name."""
+    return {file.stem: file for file in sorted(folder.glob("*.yaml"))}
 
 
 def by_path(name: str) -> bool:

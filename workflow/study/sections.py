@@ -22,8 +22,10 @@ from solver.units import BOLTZMANN
 from workflow.language.constants import DEVICE
 from workflow.language.given import number, size
 from workflow.study.categories import Combination
+from workflow.study.reading import located
 from workflow.study.types import (
     BY_FACTOR,
+    Case,
     FactorName,
     FieldName,
     Given,
@@ -56,15 +58,17 @@ ModelQuantity = Literal[
 #: Units of measured values, in SI.
 UNITS = {"pC/N": 1e-12, "pm/V": 1e-12, "1": 1.0}
 
+Levels = Annotated[
+    int | None, Field(ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs")
+]
+
 
 class Axis(Strict):
     """Range of a factor, sampled at Chebyshev-Gauss levels."""
 
     low: Given = Field(description="lower end of the range, in SI or with a unit, as 20 um")
     high: Given = Field(description="upper end of the range")
-    levels: int | None = Field(
-        None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
-    )
+    levels: Levels = None
     scale: Literal["linear", "log", "logit"] = Field("linear", description="coordinate in which the levels are spread")
 
     @model_validator(mode="after")
@@ -81,9 +85,7 @@ class Axis(Strict):
 class Group(Strict):
     """An axis of the data set that is a product of powers of factors, over the range that the box gives it."""
 
-    levels: int | None = Field(
-        None, ge=2, le=1000, description="Chebyshev-Gauss levels; null: what the tolerance needs"
-    )
+    levels: Levels = None
     scale: Literal["linear", "log", "logit"] | None = Field(
         None,
         description="coordinate in which the levels are spread; null: its one factor's, or log over a decade",
@@ -145,7 +147,7 @@ class Surrogate(Strict):
         description="cases: all of the factorial, or those places in it that a cross approximation asks for; auto: the "
         "latter where the factorial has more cases than dataset: budget",
     )
-    outputs: list[QuantityName] = Field(default_factory=list, description="quantities to learn; empty: every one")
+    outputs: list[QuantityName] = Field([], description="quantities to learn; empty: every one")
     level: Number | None = Field(
         None, gt=0, le=0.999, description="share of the cases that intervals hold where none is said; null: 0.95"
     )
@@ -195,11 +197,8 @@ class Interior(Strict):
 class Effects(Strict):
     """One factor at a time about a baseline, on the exact solver."""
 
-    baseline: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(description="factors of the reference case")
-    film: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
-        default_factory=dict,
-        description="a film for the effects of its own factors, beside the half-plane",
-    )
+    baseline: Case = Field(description="factors of the reference case")
+    film: Case = Field({}, description="a film for the effects of its own factors, beside the half-plane")
     vary: Annotated[dict[InputName, list[Given] | list[str]], BY_FACTOR] = Field(
         min_length=1, description="values of each factor in turn"
     )
@@ -245,17 +244,14 @@ class Effects(Strict):
         fractions = dict.fromkeys(COMPOSITES.values())
         composites = np.atleast_1d(case.get("composite", list(COMPOSITES)))
         of_others |= set(fractions) - {COMPOSITES.get(str(kind)) for kind in composites} - {factor}
-        other = {
-            "material": ("composite", *fractions),
-            **dict.fromkeys(("composite", *fractions), ("material",)),
-            "base": ("base_modulus", "base_poisson"),
-            "base_modulus": ("base",),
-            "base_poisson": ("base",),
-            "punch": ("punch_modulus", "punch_poisson"),
-            "punch_modulus": ("punch",),
-            "punch_poisson": ("punch",),
-        }
-        return {name: value for name, value in case.items() if name not in (*other.get(factor, ()), *of_others)}
+        alternatives = (
+            ({"material"}, {"composite", *fractions}),
+            ({"base"}, {"base_modulus", "base_poisson"}),
+            ({"punch"}, {"punch_modulus", "punch_poisson"}),
+        )
+        pairs = [pair for two in alternatives for pair in (two, two[::-1])]
+        others = {name for kind, other in pairs if factor in kind for name in other}
+        return {name: value for name, value in case.items() if name not in others | of_others}
 
     def half_plane(self, factor: str) -> dict[str, Any] | None:
         """Factors of the half-plane that is shown beside the effect of a film's factor."""
@@ -286,7 +282,7 @@ class Readout(Strict):
         min_length=1, description="standard deviation of each measurement: '2 V', or '0.5 %' of the value"
     )
     infer: Annotated[list[FactorName], Field(min_length=1, max_length=3)] = Field(description="factors to infer")
-    at: dict[InputName, Number | str] = Field(default_factory=dict, description="the other factors")
+    at: dict[InputName, Number | str] = Field({}, description="the other factors")
     cases: int = Field(500, ge=50, le=100_000, description="random true cases that the intervals are tried on")
 
     @property
@@ -308,10 +304,8 @@ class Readout(Strict):
 
 def error(quantity: str, text: str) -> tuple[float, float]:
     """Standard deviation of a measurement: its absolute part in SI, and its share of the value."""
-    try:
+    with located(f"measured: {quantity}"):
         return size(quantity, text)
-    except ValueError as problem:
-        raise ValueError(f"measured: {quantity}: {problem}") from None
 
 
 def _above_zero(*, itself: bool) -> AfterValidator:
@@ -404,12 +398,9 @@ class Pressing(Strict):
 
     title: str = Field("", max_length=200, description="above its card, of a contact of its own; made if empty")
     design: str = Field("", description="the design target whose punch it is; empty: case")
-    case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
-        default_factory=dict, description="all factors but the force, of a contact of its own in place of a design's"
-    )
+    case: Case = Field({}, description="all factors but the force, of a contact of its own in place of a design's")
     tolerance: dict[InputName, Number | str] = Field(
-        default_factory=dict,
-        description="how far a factor of that case may be off as built: '5 %' of it, '10 um', or SI",
+        {}, description="how far a factor of that case may be off as built: '5 %' of it, '10 um', or SI"
     )
     device: Device | None = Field(None, description="what reads that contact; null: the study's")
     force: Annotated[Number, _read("force", "N")] = Field(description="that is held [N]")
@@ -454,7 +445,7 @@ class ModelValue(Strict):
     """Question to the model, whose answer is compared with a measurement."""
 
     quantity: ModelQuantity = Field(description="what the model answers with")
-    case: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
+    case: Case = Field(
         min_length=1, description="factors of the case, among them a material, or composite AlScN with its fraction"
     )
 
@@ -490,11 +481,9 @@ class Measurement(Strict):
     error_is: str = Field("as published", description="where the error comes from")
     unit: Literal["pC/N", "pm/V", "1"] = Field(description="unit of value and error")
     model: list[ModelValue] = Field(
-        default_factory=list, max_length=4, description="the model's value; several, or none, of a row that is open"
+        [], max_length=4, description="the model's value; several, or none, of a row that is open"
     )
-    rivals: list[ModelValue] = Field(
-        default_factory=list, max_length=4, description="values of other rules, which the row may rule out"
-    )
+    rivals: list[ModelValue] = Field([], max_length=4, description="values of other rules, which the row may rule out")
     open: str = Field("", max_length=300, description="why the row cannot be told, whatever the numbers")
     outside: str = Field("", max_length=300, description="what the model leaves out that the row shows")
     note: str = Field("", max_length=500, description="what else a reader should know of the model's value")

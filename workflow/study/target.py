@@ -15,7 +15,7 @@ from workflow.language.constants import CONSTANTS, Meeting
 from workflow.language.factors import FACTORS
 from workflow.language.given import size
 from workflow.study.reading import located
-from workflow.study.types import BY_FACTOR, FactorName, Given, InputName, Interval, Number, Strict
+from workflow.study.types import BY_FACTOR, Case, FactorName, Given, InputName, Interval, Number, Strict
 
 CUT = 3.0  # a normal distribution ends this many standard deviations from its mean
 MOST_CHOICES = 200
@@ -32,7 +32,7 @@ class Variable(Strict):
     low: Given | None = Field(None, description="lower end; default: that of the factor")
     high: Given | None = Field(None, description="upper end; default: that of the factor")
     choices: list[Number | str] = Field(
-        default_factory=list, description="instead of a range: the values to choose from; names of a category"
+        [], description="instead of a range: the values to choose from; names of a category"
     )
 
     @model_validator(mode="after")
@@ -92,26 +92,24 @@ class Target(Strict):
     title: str = Field(
         "", max_length=80, description="what is asked for, in words; default: from its goal", exclude_if=operator.not_
     )
-    maximise: str | Texts = Field(default_factory=list, description="expression, or a list of them: a Pareto front")
-    minimise: str | Texts = Field(default_factory=list, description="as maximise")
+    maximise: str | Texts = Field([], description="expression, or a list of them: a Pareto front")
+    minimise: str | Texts = Field([], description="as maximise")
     over: Annotated[list[InputName], Field(min_length=1)] | Annotated[dict[InputName, Variable], BY_FACTOR] = Field(
         description="design variables, categories among them: names, or names with low and high, or choices"
     )
-    at: Annotated[dict[InputName, Number | str], BY_FACTOR] = Field(
-        default_factory=dict, description="factors held at a value"
-    )
+    at: Case = Field({}, description="factors held at a value")
     worst_case: Annotated[dict[FactorName, Interval], BY_FACTOR] = Field(
-        default_factory=dict, description="factors that may take any value of a range [low, high]"
+        {}, description="factors that may take any value of a range [low, high]"
     )
     uncertain: Annotated[dict[FactorName, Distribution], BY_FACTOR] = Field(
-        default_factory=dict, description="factors with a distribution: uniform, normal or triangular"
+        {}, description="factors with a distribution: uniform, normal or triangular"
     )
     tolerance: dict[FactorName, Number | str] = Field(
-        default_factory=dict, description="how far a variable may be off as built: '5 %' of it, '10 um', or SI"
+        {}, description="how far a variable may be off as built: '5 %' of it, '10 um', or SI"
     )
     robust: str = Field("worst case", description="objective counts as 'worst case', 'mean' or 'mean - K std'")
     subject_to: list[str] = Field(
-        default_factory=list, description='limits "expression <= number [unit] [with probability p]"; deviation(...)'
+        [], description='limits "expression <= number [unit] [with probability p]"; deviation(...)'
     )
     allow_outside_interval: bool = Field(
         False, description="go on although an exact value left the interval that the surrogate gave"

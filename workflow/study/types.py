@@ -35,6 +35,8 @@ Given = Annotated[Number, WithJsonSchema({"type": ["number", "string"]})]
 CategoryName = Annotated[str, _one_of([*MATERIALS, *CHOICES], "category")]
 FactorName = Annotated[str, _one_of(list(FACTORS), "factor")]
 InputName = Annotated[str, _one_of([*MATERIALS, *CHOICES, *FACTORS], "factor")]
+#: Factors of a case by name.
+Case = Annotated[dict[InputName, Number | str], BY_FACTOR]
 CompositeName = Annotated[
     str, _one_of(list(COMPOSITES), "composite"), Field(json_schema_extra={"enum": list(COMPOSITES)})
 ]

@@ -9,8 +9,8 @@ import xarray as xr
 
 from approximation.arrays import Array
 from surrogate import CrossGP, GridGP, Input, load, save
-from surrogate.gp.crossgp import Cross, Crossed, run
-from surrogate.levels import counts
+from surrogate.gp.crossgp import Crossed, approximation, run
+from surrogate.levels import counts, lines
 from surrogate.use.sensitivity import sobol
 
 SIZES = (7, 6, 5, 4)
@@ -25,22 +25,21 @@ def separable(rank: int) -> Array:
     return np.asarray(np.einsum("ar,br,cr,dr,er,fr->abcdef", *parts))
 
 
-def found(tensor: Array, cross: Cross, known: Known, batches: list[list[list[int]]] | None = None) -> Crossed:
-    while not isinstance(wanted := run(cross.steps(), known), Crossed):
-        if batches is not None:
-            batches.append(wanted.tolist())
+def found(tensor: Array, tolerance: float, known: Known, batches: list[list[list[int]]], most: int = 10_000) -> Crossed:
+    while not isinstance(wanted := run(approximation(SIZES, tolerance, most), known), Crossed):
+        batches.append(wanted.tolist())
         known |= {tuple(index): tensor[tuple(index)] for index in wanted.tolist()}
     return wanted
 
 
 def test_an_interrupted_approximation_goes_on_with_the_same_batches_to_the_same_bits() -> None:
-    tensor, cross = separable(4), Cross(SIZES, 1e-8)
+    tensor = separable(4)
     batches: list[list[list[int]]] = []
-    whole = found(tensor, cross, Known(), batches)
+    whole = found(tensor, 1e-8, Known(), batches)
     half: Known = {tuple(i): tensor[tuple(i)] for batch in batches[:3] for i in batch}
     half |= {tuple(i): tensor[tuple(i)] for i in batches[3][: len(batches[3]) // 2]}
     remaining: list[list[list[int]]] = []
-    again = found(tensor, cross, half, remaining)
+    again = found(tensor, 1e-8, half, remaining)
     assert remaining == [batches[3][len(batches[3]) // 2 :], *batches[4:]]
     for first, other in zip(whole.cores, again.cores, strict=True):
         assert first.tobytes() == other.tobytes()
@@ -48,7 +47,7 @@ def test_an_interrupted_approximation_goes_on_with_the_same_batches_to_the_same_
 
 def test_no_batch_repeats_an_entry_and_the_most_ends_the_sweeps() -> None:
     tensor, batches = np.random.default_rng(0).normal(size=(*SIZES, 1, OUTPUTS)), list[list[list[int]]]()
-    got = found(tensor, Cross(SIZES, 1e-3, most=30), Known(), batches)
+    got = found(tensor, 1e-3, Known(), batches, most=30)
     entries = [tuple(index) for batch in batches for index in batch]
     assert len(set(entries)) == len(entries) == got.entries > 30
     assert len(batches) <= 1 + len(SIZES)
@@ -114,7 +113,7 @@ def test_its_file_is_that_of_a_grid(model: CrossGP, tmp_path: Path) -> None:
 
 
 def test_lines_of_the_cases_decay_as_those_of_the_grid(cases: xr.Dataset, grid: xr.Dataset) -> None:
-    line_decays, grid_decays = counts.decays_of_lines(crossing(), cases), counts.decays(grid, BOX)
+    line_decays, grid_decays = lines.decays(crossing(), cases), counts.decays(grid, BOX)
     assert list(line_decays) == list(grid_decays)
     for output, along in grid_decays.items():
         for name, decay in along.items():

@@ -1,5 +1,7 @@
 """The structured process against a dense one, against interpolation, and its invariants."""
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,10 +9,14 @@ from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
 from surrogate import GridGP, Input
-from surrogate.data.inputs import Scale
-from tests.surrogate import dense, functions
+from surrogate.data.inputs import physical_points
+from surrogate.gp.factors import Factor
+from surrogate.gp.gridgp import level_errors
+from surrogate.use.validation import validate
+from tests.surrogate import functions
 
 Array = NDArray[np.float64]
+FactorKernel = Callable[[Array, Array], Array]
 PLANE = (Input("x", -1.0, 3.0), Input("y", 0.1, 10.0, "log"), Input("z", 0.0, 1.0))
 
 
@@ -23,11 +29,42 @@ def unit_points(count: int) -> Array:
     return np.random.default_rng(7).uniform(-1, 1, (count, 3))
 
 
-def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[dense.FactorKernel]:
+def dense_prediction(
+    kernels: Sequence[FactorKernel], levels: Sequence[Array], values: Array, t: Array
+) -> tuple[Array, Array]:
+    """Mean and variance at t (B, d) given values (n_1, ..., n_d), zero prior mean, product kernel of unit variance."""
+    K, cross, prior = _matrices(kernels, levels, t)
+    L = np.linalg.cholesky(K)
+    white = np.linalg.solve(L, cross.T)
+    return white.T @ np.linalg.solve(L, values.ravel()), np.diag(prior) - (white**2).sum(axis=0)
+
+
+def dense_covariance(kernels: Sequence[FactorKernel], levels: Sequence[Array], t: Array) -> Array:
+    """Posterior covariance between points t (B, d), as `dense_prediction` has its diagonal: (B, B)."""
+    K, cross, prior = _matrices(kernels, levels, t)
+    return np.asarray(prior - cross @ np.linalg.solve(K, cross.T))
+
+
+def _matrices(kernels: Sequence[FactorKernel], levels: Sequence[Array], t: Array) -> list[Array]:
+    """Prior covariances of the grid, of t and the grid, and of t."""
+    grid = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1).reshape(-1, len(levels))
+    pairs = [(grid, grid), (t, grid), (t, t)]
+    return [np.prod([k(u[:, f], v[:, f]) for f, k in enumerate(kernels)], axis=0) for u, v in pairs]
+
+
+def chebyshev_kernel(levels: int, rho: float, amplitude: float) -> FactorKernel:
+    """1 + amplitude sum_{0<m<2n} rho^m T_m T_m, and 1 + amplitude T_1 T_1 on two levels."""
+    terms = 2 if levels == 2 else 2 * levels
+    weights = amplitude * (np.ones(2) if levels == 2 else rho ** np.arange(terms))
+    weights[0] = 1
+    return lambda x, y: (chebvander(x, terms - 1) * weights) @ chebvander(y, terms - 1).T
+
+
+def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[FactorKernel]:
     """Kernels of all factors for one output."""
     fixed = [model.hyperparameters_[input_.name] for input_ in PLANE]
     return [
-        dense.chebyshev(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))
+        chebyshev_kernel(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))
     ]
 
 
@@ -38,13 +75,13 @@ def test_it_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> 
     data, fixed = sample(levels), {"x": rho, "y": rho / 2, "z": 0.3}
     model = GridGP(PLANE, hyperparameters=fixed, compression=0).fit(data)
     t = unit_points(40)
-    mean, std = model.predict_array(_physical(t), return_std=True)
+    mean, std = model.predict_array(physical_points(PLANE, t.T), return_std=True)
     unit = [input_.to_unit(levels[input_.name]) for input_ in PLANE]
     for p, name in enumerate(model.outputs_):
         values = data[name].transpose("x", "y", "z").values
         offset, scale = values.mean(), values.std()
         kernels = dense_kernels(model, counts, p)
-        want, variance = dense.predict(kernels, unit, (values - offset) / scale, t)
+        want, variance = dense_prediction(kernels, unit, (values - offset) / scale, t)
         np.testing.assert_allclose(mean[:, p], offset + scale * want, rtol=0, atol=1e-10 * np.ptp(values))
         room = 1e-10 * model.variance_[p]
         np.testing.assert_allclose((std[:, p] / scale) ** 2, model.variance_[p] * variance, rtol=0, atol=room)
@@ -55,23 +92,21 @@ def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -
     data = sample({input_.name: input_.levels(n) for input_, n in zip(PLANE, counts, strict=True)})
     model = GridGP(PLANE, hyperparameters={"x": 0.5, "y": 0.4, "z": 0.6}, compression=0).fit(data)
     levels, t = [input_.to_unit(data[input_.name]) for input_ in PLANE], unit_points(12)
-    slopes = model.gradient(_physical(t), return_std=True)
+    X = physical_points(PLANE, t.T)
+    slopes = model.gradient(X, return_std=True)
     for p, name in enumerate(model.outputs_):
         kernels = dense_kernels(model, counts, p)
         size = model.variance_[p] * data[name].values.std() ** 2
         for k, input_ in enumerate(PLANE):
             ends = np.concatenate([t + step * np.eye(3)[k], t - step * np.eye(3)[k]])
-            C = dense.covariance(kernels, levels, ends)
+            C = dense_covariance(kernels, levels, ends)
             above, below = np.diag(C)[:12], np.diag(C)[12:]
             want = size * (above + below - 2 * np.diag(C[:12, 12:])) / (2 * step) ** 2
-            std = slopes[f"{name}_std"].sel(input=input_.name).values / input_.unit_slope(_physical(t)[:, k])
+            std = slopes[f"{name}_std"].sel(input=input_.name).values / input_.unit_slope(X[:, k])
             np.testing.assert_allclose(std**2, want, rtol=1e-4, atol=1e-7 * size)
 
 
 def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -> None:
-    from surrogate.gp.factors import Factor
-    from surrogate.gp.gridgp import level_errors
-
     input_, n = PLANE[0], 6
     levels = input_.levels(n)
     t = input_.to_unit(levels)
@@ -79,32 +114,19 @@ def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -
     factor = Factor(n, 0.4)
     inside = (factor.basis.T @ values.T)[:, :, None] * (factor.basis.T @ values.T)[:, :, None].transpose(2, 1, 0)
     errors, variances = level_errors(factor, inside.transpose(1, 0, 2))
-    k = dense.chebyshev(n, 0.4, 1.0)
+    k = chebyshev_kernel(n, 0.4, 1.0)
     for i in range(n):
         others = np.arange(n) != i
         for p in range(2):
-            mean, variance = dense.predict([k], [t[others]], values[p, others], t[i : i + 1, None])
+            mean, variance = dense_prediction([k], [t[others]], values[p, others], t[i : i + 1, None])
             assert errors[p, i] == pytest.approx((values[p, i] - mean[0]) ** 2, rel=1e-6, abs=1e-12)
             assert variances[i] == pytest.approx(variance[0], rel=1e-6)
 
 
 def test_mean_has_the_accuracy_of_tensor_chebyshev_interpolation() -> None:
-    counts = (16, 6, 5, 6, 2)
-    data, held = functions.factorial(counts), functions.scattered(2000, seed=5)
-    model = GridGP(inputs=functions.INPUTS).fit(data)
-    points = {input_.name: held[input_.name] for input_ in functions.INPUTS}
-    predicted = model.predict(points)
-    t = {input_.name: input_.to_unit(held[input_.name]) for input_ in functions.INPUTS}
-    for name in model.outputs_:
-        state = np.ones((held.sizes["case"], 1))
-        array = data[name].broadcast_like(xr.Dataset(coords=data.coords)).transpose(*t)
-        state = np.broadcast_to(array.values, (held.sizes["case"], *array.shape))
-        for input_, n in zip(functions.INPUTS, counts, strict=True):
-            solve = np.linalg.inv(chebvander(input_.to_unit(data[input_.name]), n - 1))
-            state = np.einsum("bi,bi...->b...", chebvander(t[input_.name], n - 1) @ solve, state)
-        interpolation = np.abs(state - held[name].values).max()
-        process = np.abs(predicted[name] - held[name]).max()
-        assert process <= 1.5 * interpolation + 1e-11 * np.ptp(held[name].values)
+    data, held = functions.factorial((16, 6, 5, 6, 2)), functions.scattered(2000, seed=5)
+    table = validate(GridGP(inputs=functions.INPUTS).fit(data), held, data)
+    assert bool((table["max_error"] <= 1.5 * table["baseline_max_error"] + 1e-11).all())
 
 
 def test_compression_keeps_its_tolerance() -> None:
@@ -132,10 +154,6 @@ def test_a_million_queries_do_not_hold_memory_of_their_intermediates() -> None:
     assert peak < 100_000 * 8 * 12 + 20e6
 
 
-def _physical(t: Array) -> Array:
-    return np.stack([input_.from_unit(t[:, k]) for k, input_ in enumerate(PLANE)], axis=1)
-
-
 def test_an_output_that_is_zero_everywhere_has_no_spread() -> None:
     """Rounding that keeps logarithms finite is no spread: calibrated or not, of one point or of many."""
     x = Input("x", 0.0, 1.0)
@@ -149,25 +167,3 @@ def test_an_output_that_is_zero_everywhere_has_no_spread() -> None:
             assert (std[:, 0] > 0).all()
             assert not std[:, 1].any()
             assert not ends[..., 1].any()
-
-
-@pytest.mark.parametrize("scale", ["linear", "log", "logit"])
-def test_a_point_alone_lies_where_its_scale_puts_it(scale: Scale) -> None:
-    x = Input("x", 0.05, 0.9, scale)
-    model = GridGP(inputs=[x]).fit(xr.Dataset({"f": ("x", np.sin(5 * x.levels(24)))}, {"x": x.levels(24)}))
-    for value in (0.05, 0.3, 0.7, 0.9):
-        answer = model.predict_array(np.array([[value]])).item()
-        assert answer == pytest.approx(np.sin(5 * value), abs=1e-6)  # 24 levels; on another scale 0.2
-
-
-def test_what_is_learnt_later_counts_at_once() -> None:
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((9, 5, 5, 5, 2)))
-    x, held = np.array([[0.5, 0.3, 0.05, 3e4, 0.1]]), functions.scattered(600, seed=1)
-    before = model.predict_array(x, return_std=True)
-    model.calibrate(held)
-    after = model.predict_array(x, return_std=True)
-    assert (after[1] != before[1]).all()
-    for again, other in zip(model.uncalibrated().predict_array(x, return_std=True), before, strict=True):
-        np.testing.assert_array_equal(again, other)
-    part = model.only(["ratio"])
-    np.testing.assert_allclose(part.predict_array(x)[:, 0], after[0][:, model.outputs_.index("ratio")], rtol=1e-9)

@@ -99,6 +99,8 @@ def test_the_kernel_and_its_slopes_are_those_of_the_sum() -> None:
 
 
 def test_it_learns_smooth_functions_and_reads_roles_off_the_outputs() -> None:
+    with pytest.raises(ValueError, match="give inputs="):
+        ScatterGP().fit(cases(10))
     model = ScatterGP(outputs=["f", "g"]).fit(cases(60))
     assert list(model.box) == ["x", "y"]
     inside = cases(60).isel(case=slice(30))
@@ -190,8 +192,3 @@ def test_bad_cases_are_refused_in_one_line(change: object, says: str) -> None:
     with pytest.raises(ValueError, match=re.escape(says)) as caught:
         ScatterGP(inputs=INPUTS).fit(change(cases(10)))
     assert "\n" not in str(caught.value)
-
-
-def test_roles_must_be_told() -> None:
-    with pytest.raises(ValueError, match="give inputs="):
-        ScatterGP().fit(cases(10))

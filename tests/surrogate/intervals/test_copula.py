@@ -1,6 +1,5 @@
 """Errors together: sums of outputs and of near points hold on fresh cases."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import xarray as xr
 
 from approximation.arrays import Array
 from storage.netcdf import read_whole, write_whole
-from storage.sealed import FormatError
 from surrogate import GridGP, Input, load, save
 from surrogate.intervals.copula import Copula, ends
 from surrogate.intervals.distribution import PROBABILITIES, Normal, Tabulated
@@ -79,38 +77,10 @@ def test_sums_of_normal_errors_have_the_ends_of_the_normal_distribution() -> Non
     np.testing.assert_allclose(added, [-1.96 * 2.5, 1.96 * 2.5], rtol=0.02)  # the table is linear between levels
 
 
-def _edited(path: Path, change: Callable[[xr.Dataset], xr.Dataset]) -> Path:
-    changed = path.with_name("changed.nc")
-    write_whole(change(read_whole(path, max_bytes=2**28)), changed)
-    return changed
-
-
 def test_a_file_of_before_is_read_and_adds_errors(model: GridGP, tmp_path: Path) -> None:
     save(model, tmp_path / "a.nc")
-    points = {"x": [0.1, 0.6], "y": 2.0}
-    old = load(_edited(tmp_path / "a.nc", lambda d: d.drop_vars(["calibration_rank", "calibration_length"])))
+    write_whole(read_whole(tmp_path / "a.nc").drop_vars(["calibration_rank", "calibration_length"]), tmp_path / "b.nc")
+    old, points = load(tmp_path / "b.nc"), {"x": [0.1, 0.6], "y": 2.0}
     xr.testing.assert_identical(old.interval(points), model.interval(points))
-    point = np.array([[0.1, 2.0]])
-    assert (
-        np.abs(old.ends_of_sum(point, np.array([[1.0, -1, 0]]))) > model.ends_of_sum(point, np.array([[1.0, -1, 0]]))
-    ).all()
-
-
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        (lambda d: d.assign(calibration_rank=d["calibration_rank"] * 0), "ranks .* are not each there once"),
-        (lambda d: d.assign(calibration_length=-d["calibration_length"]), "rows of the calibration do not fit"),
-        (
-            lambda d: d.assign(calibration_rank=d["calibration_rank"].astype(float)),
-            "rows of the calibration do not fit",
-        ),
-        (lambda d: d.drop_vars("calibration_length"), "calibration_length"),
-    ],
-)
-def test_bad_rows_are_refused(
-    change: Callable[[xr.Dataset], xr.Dataset], says: str, model: GridGP, tmp_path: Path
-) -> None:
-    save(model, tmp_path / "a.nc")
-    with pytest.raises(FormatError, match=says):
-        load(_edited(tmp_path / "a.nc", change))
+    sums = [np.abs(process.ends_of_sum(np.array([[0.1, 2.0]]), np.array([[1.0, -1, 0]]))) for process in (old, model)]
+    assert (sums[0] > sums[1]).all()

@@ -22,6 +22,7 @@ from surrogate.use.ccode import code
 from surrogate.use.rounding import Rounded, rounded
 from tests.compiled import Compiled
 from tests.surrogate import curved, grouped
+from tests.surrogate.functions import inside
 
 gcc = pytest.mark.needs("gcc")
 
@@ -67,12 +68,6 @@ def exported(
     return parts, folder / "model.c"
 
 
-def spread(model: GaussianProcess, count: int) -> Array:
-    """Points of the box, its ends among them."""
-    t = np.random.default_rng(5).uniform(-1.2, 1.2, (len(model.inputs_), count)).clip(-1, 1)
-    return np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t, strict=True)], axis=1)
-
-
 @gcc
 @pytest.mark.parametrize(
     ("model_of", "outputs"),
@@ -91,7 +86,7 @@ def test_c_says_what_python_says(
     compiled = Compiled(source, "-O2")
     assert compiled.selftest() == 0
     ends = np.array([(axis.low, axis.high) for axis in model.inputs_]).T.astype(arithmetic).astype(float)
-    X = np.clip(spread(model, 2000).astype(arithmetic).astype(float), *ends)
+    X = np.clip(inside(model.inputs_, 2000, 5, 1.2).astype(arithmetic).astype(float), *ends)
     status, _ = compiled.asked("inside", X)
     assert not status.any()
     for k, part in enumerate(parts):
@@ -145,7 +140,7 @@ ODD = [np.nan, np.inf, -np.inf, 5e-324, -2.2e-308, 1e300, -3.0]
 def test_optimisations_change_no_bit_and_what_is_no_point_has_a_status_and_no_number(tmp_path: Path) -> None:
     _, source = exported(of_two_inputs(), ["steep", "wave"], tmp_path, np.float64, 1e-5)
     plain, quick, fast = (Compiled(source, *flags) for flags in (["-O0"], ["-O2"], ["-O2", "-ffast-math"]))
-    points = spread(of_two_inputs(), 1000)
+    points = inside(of_two_inputs().inputs_, 1000, 5, 1.2)
     for output, part in product(range(2), ("interval", "gradient")):
         same, other = (library.asked(part, points, output)[1] for library in (quick, fast))
         np.testing.assert_array_equal(plain.asked(part, points, output)[1], same)
@@ -175,7 +170,7 @@ def test_smooth_outputs_beside_curves_are_exported_and_largest_values_refused() 
     model = curved.fitted()
     (smooth,) = [name for name in model.outputs_ if name not in model.largest]
     (part,) = rounded(model, [smooth], 1e-5, np.float64)
-    X, place = spread(model, 500), model.outputs_.index(smooth)
+    X, place = inside(model.inputs_, 500, 5, 1.2), model.outputs_.index(smooth)
     mean, std = part.exact.predict_array(X, return_std=True)
     for alone, together in zip((mean, std), model.predict_array(X, return_std=True), strict=True):
         np.testing.assert_allclose(alone[:, 0], together[:, place], rtol=1e-6, atol=1e-9 * part.size)

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,8 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from storage.netcdf import read_whole, write_whole
-from surrogate import FormatError, GridGP, Input, load, save
+from surrogate import GridGP, Input, load, save
+from surrogate.data.inputs import physical_points
 from surrogate.data.measurements import Measurements
 from surrogate.transforms.measured.corrected import CorrectedGP
 from surrogate.transforms.measured.discrepancy import Draw
@@ -56,7 +55,7 @@ class Device:
         """Points, those that are measured first, and the true outputs there."""
         random = np.random.default_rng((self.seed, 2))
         t = random.uniform(-1, 1, (self.count + held_out, 2))
-        X = np.stack([input_.from_unit(t[:, k]) for k, input_ in enumerate(INPUTS)], 1)
+        X = physical_points(INPUTS, t.T)
         separation = cdist(t, t, "mahalanobis", VI=np.diag(random.uniform(1, 3, 2) ** -2.0))
         root = np.linalg.cholesky(np.exp(-0.5 * separation**2) + 1e-9 * np.eye(len(t)))
         return X, model(X, self.constants) + self.size * SIZES * (root @ random.normal(size=(len(t), 2)))
@@ -126,13 +125,8 @@ DEVICE = Device(7, size=0.03)
 
 
 @pytest.fixture(scope="module")
-def device() -> Device:
-    return DEVICE
-
-
-@pytest.fixture(scope="module")
-def posterior(device: Device) -> Learnt:
-    return learnt(device.rows())
+def posterior() -> Learnt:
+    return learnt(DEVICE.rows())
 
 
 def dense(rows: Measurements, about: Array, draw: Draw, X: Array, output: int) -> tuple[Array, Array]:
@@ -156,10 +150,11 @@ def dense(rows: Measurements, about: Array, draw: Draw, X: Array, output: int) -
     return mean[n:] + weights @ (rows.value - mean[:n]), np.diag(left)
 
 
-def test_predictions_are_those_of_one_joint_gaussian(device: Device, posterior: Learnt) -> None:
-    rows, X = device.rows(), device.cases()[0][device.count :]
+def test_predictions_are_those_of_one_joint_gaussian(posterior: Learnt) -> None:
+    rows, X = DEVICE.rows(), DEVICE.cases()[0][DEVICE.count :]
     surrogate = corrected(posterior, rows)
     mean, std = surrogate.predict_array(X, return_std=True)
+    assert (surrogate.gradient(X, return_std=True)["f0_std"] > 0).all()
     for output in range(2):
         parts = [dense(rows, posterior.about, draw, X, output) for draw in posterior.draws]
         means, variances = (np.array(column) for column in zip(*parts, strict=True))
@@ -169,8 +164,8 @@ def test_predictions_are_those_of_one_joint_gaussian(device: Device, posterior: 
         np.testing.assert_allclose(std[:, output] ** 2, whole, rtol=1e-5)
 
 
-def test_values_left_out_are_predicted_from_all_other_rows(device: Device, posterior: Learnt) -> None:
-    rows = device.rows()
+def test_values_left_out_are_predicted_from_all_other_rows(posterior: Learnt) -> None:
+    rows = DEVICE.rows()
     remaining = rows.row != rows.row[5]
     others = Measurements(
         rows.points, rows.row[remaining], rows.output[remaining], rows.value[remaining], rows.error[remaining]
@@ -235,40 +230,11 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
     assert -np.log(np.mean(np.exp(-np.array(odds)))) == pytest.approx(against - without, abs=0.5)
 
 
-def test_derivatives_have_a_spread(device: Device, posterior: Learnt) -> None:
-    surrogate = corrected(posterior, device.rows())
-    X = np.array([[0.3, 2.0], [0.8, 6.0]])
-    assert (surrogate.gradient(X, return_std=True)["f0_std"] > 0).all()
-
-
-@pytest.fixture(scope="module")
-def stored(device: Device, posterior: Learnt, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
-    path = tmp_path_factory.mktemp("corrected") / "a.nc"
-    save(corrected(posterior, device.rows()), path)
-    again = load(path)
+def test_a_file_says_what_was_learnt(posterior: Learnt, tmp_path: Path) -> None:
+    save(corrected(posterior, DEVICE.rows()), tmp_path / "a.nc")
+    again = load(tmp_path / "a.nc")
     assert isinstance(again, CorrectedGP)
     assert (again.constants_, again.learnt_) == (CONSTANTS, "what it taught")
-    return read_whole(path)
-
-
-@pytest.mark.parametrize(
-    ("changed", "reason"),
-    [
-        ({"measured_output": np.full(33, 2)}, "a measured value is of no output or no row"),
-        ({"measured_row": np.zeros(33, int)}, "an output is measured twice in a row"),
-        ({"draw_noise": np.full((16, 33), -1.0)}, "inconsistent"),
-        ({"draw_mean": np.zeros((16, 3))}, "the stored predictions probe_mean do not come out again"),
-        ({"effect_engine": "corrected"}, "unknown engine 'corrected'; known are grid"),
-    ],
-)
-def test_an_inconsistent_file_is_refused(
-    changed: dict[str, Any], reason: str, stored: xr.Dataset, tmp_path: Path
-) -> None:
-    arrays = {name: (stored[name].dims, value, stored[name].attrs) for name, value in changed.items() if name in stored}
-    attrs = {name: value for name, value in changed.items() if name not in stored}
-    write_whole(stored.assign(arrays).assign_attrs(attrs), tmp_path / "b.nc")
-    with pytest.raises(FormatError, match=reason):
-        load(tmp_path / "b.nc")
 
 
 def test_what_rows_do_not_tell_stays_as_it_was(posterior: Learnt) -> None:
@@ -294,8 +260,8 @@ def test_unknown_errors_of_measurement_are_estimated() -> None:
         assert noise == pytest.approx(0.02 * SIZES[q], rel=0.35)
 
 
-def test_what_cannot_be_learnt_is_refused(device: Device) -> None:
-    rows = device.rows()
+def test_what_cannot_be_learnt_is_refused() -> None:
+    rows = DEVICE.rows()
     with pytest.raises(NotSettledError, match="does not settle"):  # a derivative of the wrong sign leads away
         learn(lambda z: (5 + z[0] * np.ones(30), -np.ones((30, 1))), repeated(30), INPUTS, 1, np.zeros(30))
     with pytest.raises(ValueError, match="positive"):
@@ -306,7 +272,5 @@ def test_what_cannot_be_learnt_is_refused(device: Device) -> None:
 
 def repeated(count: int) -> Measurements:
     """One output at random points, measured as 6 +- 0.001."""
-    X = np.stack(
-        [input_.from_unit(np.random.default_rng(k).uniform(-1, 1, count)) for k, input_ in enumerate(INPUTS)], 1
-    )
+    X = physical_points(INPUTS, np.random.default_rng(0).uniform(-1, 1, (2, count)))
     return Measurements(X, np.arange(count), np.zeros(count, int), np.full(count, 6.0), np.full(count, 1e-3))

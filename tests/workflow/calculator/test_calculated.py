@@ -202,12 +202,9 @@ def test_other_constants_of_a_film_are_the_solver_s() -> None:
     (table,) = (candidate for candidate in films.tables([name]) if candidate["punch"] == "steel")
     case: dict[str, Any] = {"force": 1e-3, "punch": "steel", "thickness": 2e-6}
     pairs = list(films.variants(films.FILMS[name]))[1:]
-    assert [f"{top.name} on {base.name}" for top, base in pairs] == [
-        "PVDF (alternative 1) on glass",
-        "PVDF (alternative 2) on glass",
-        "PVDF on glass (alternative 1)",
-        "PVDF on glass (alternative 2)",
-    ]
+    assert {f"{top.name} on {base.name}" for top, base in pairs} == {
+        words for k in (1, 2) for words in (f"PVDF (alternative {k}) on glass", f"PVDF on glass (alternative {k})")
+    }
     for shape, room in (({"profile": "sphere", "radius": 1e-3}, 1.6e-3), (SHAPES[0], 4e-4)):
         questions = [
             {"kind": "point", "given": given(case | shape, top) | {"film": table | candidate, "thickness": 2e-6}}
@@ -269,22 +266,10 @@ def test_wrong_constants_are_refused_by_name(text: str, said: str) -> None:
 
 
 def test_numbers_take_units() -> None:
-    wanted = [
-        ("20 um", "m", 2e-5),
-        ("10kN/m", "N m-1", 1e4),
-        ("3 N/mm", "N m-1", 3e3),
-        ("50 %", "1", 0.5),
-        ("2e-5", "m", 2e-5),
-    ]
-    wanted += [
-        ("580 N/(A m)", "N A-1 m-1", 580.0),
-        ("1.2 µm", "m", 1.2e-6),
-        ("−5 V", "V", -5.0),
-        ("7.5 g/cm3", "kg m-3", 7500.0),
-    ]
-    answers = calculated([{"kind": "number", "given": [text, units]} for text, units, _ in wanted])
-    assert answers == pytest.approx([value for *_, value in wanted], rel=1e-14)
-    wrong = calculated(
-        [{"kind": "number", "given": [text, "m"]} for text in ("20 kg", "x", "", "5 mm mm", "5 constructor")]
-    )
-    assert all("refused" in answer for answer in wrong)
+    lengths, wrong = {"20 um": 2e-5, "2e-5": 2e-5, "1.2 µm": 1.2e-6}, ("20 kg", "x", "", "5 mm mm", "5 constructor")
+    wanted = {(text, "m"): value for text, value in lengths.items()}
+    wanted |= {("10kN/m", "N m-1"): 1e4, ("3 N/mm", "N m-1"): 3e3, ("50 %", "1"): 0.5, ("−5 V", "V"): -5.0}
+    wanted |= {("580 N/(A m)", "N A-1 m-1"): 580.0, ("7.5 g/cm3", "kg m-3"): 7500.0}
+    answers = calculated([{"kind": "number", "given": given} for given in (*wanted, *((text, "m") for text in wrong))])
+    assert answers[: len(wanted)] == pytest.approx([*wanted.values()], rel=1e-14)
+    assert all("refused" in answer for answer in answers[len(wanted) :])

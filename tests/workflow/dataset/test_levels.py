@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from storage.netcdf import read_whole, write_whole
-from tests.studies import edited, made
+from tests.studies import data_set, edited, made
 from tests.workflow.conftest import Copy
 from workflow.dataset import factorial, levels
-from workflow.dataset import slabs as dataset
-from workflow.dataset import slabs as gathering
 from workflow.learning import training
 from workflow.study import partition
 from workflow.study.model import Study
@@ -46,10 +44,8 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     assert chosen["affine"].sel(input="charge") == 1
     assert ready.cases == int(chosen["levels"].prod()) <= 20000
     assert partition.count(ready) == partition.count(config)  # the rules counted them before
-    slabs = [tmp_path / f"slab_{k}.nc" for k in range(partition.count(ready))]
-    for k, slab in enumerate(slabs):
-        dataset.write_slab(ready, k, slab)
-    quantities = gathering.gather([read_whole(slab, names=ready.outputs) for slab in slabs])
+    data_set(ready, tmp_path)
+    quantities = read_whole(tmp_path / "quantities.nc")
     table = training.validate(ready, quantities, factorial.cases(ready, "validation"), training.fit(ready, quantities))
     assert float(table["max_error"].max()) <= 1e-6
     assert float(table["kinked"].sum()) == 0

@@ -11,7 +11,7 @@ from tests.studies import made
 from workflow.design.question.pilot import ask
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Factors, Predicted
-from workflow.design.search.candidate import Candidate
+from workflow.design.search.polish import Candidate
 from workflow.study.model import Study
 from workflow.study.target import Target
 

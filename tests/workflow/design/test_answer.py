@@ -69,21 +69,10 @@ ANSWER = Answer(
 )
 
 
-@pytest.mark.parametrize(
-    "bare",
-    [
-        {},
-        {
-            "figures": (),
-            "overload": None,
-            "constants": (),
-            "tolerated": None,
-            "categories": (),
-            "choices": (),
-            "left_out": (),
-        },
-    ],
-)
+BARE = dict.fromkeys(("figures", "constants", "categories", "choices", "left_out"), ())
+
+
+@pytest.mark.parametrize("bare", [{}, {**BARE, "overload": None, "tolerated": None}])
 def test_a_file_holds_all_of_an_answer(tmp_path: Path, bare: dict[str, object]) -> None:
     terms = [replace(GOAL, effect=(), spread=0.0), replace(LIMIT, effect=(), spread=0.0)] if bare else [GOAL, LIMIT]
     answer = replace(ANSWER, terms=tuple(terms), **bare)  # type: ignore[arg-type]

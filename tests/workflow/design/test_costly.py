@@ -17,9 +17,8 @@ from tests.studies import fitted
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
-from workflow.design.question.risk import WorstCase
+from workflow.design.question.risk import Term, WorstCase
 from workflow.design.question.sources import Exact, Factors, Predicted, shape
-from workflow.design.question.terms import Term
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.design.wording import table

@@ -15,9 +15,8 @@ from tests.studies import shipped
 from tests.surrogate import curved
 from tests.workflow.design import standin
 from workflow.design.question.pilot import smooth_pieces
-from workflow.design.question.risk import WorstCase, measure
+from workflow.design.question.risk import Term, WorstCase, measure
 from workflow.design.question.sources import Exact, Predicted
-from workflow.design.question.terms import Term
 from workflow.design.search import targets
 from workflow.design.verdict import assessment, linearity, merit
 from workflow.design.verdict import assessment as sensitivity

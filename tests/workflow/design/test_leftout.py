@@ -396,15 +396,8 @@ def test_what_is_not_known_is_named_and_never_zero() -> None:
     in_space = effects(roller | {"length": 1e-3, "force": 1.0, "grid_error": 0.1})
     assert in_space["heat"].left_out_words == "Heat is not solved for contacts in space."
     assert in_space["tilt"].left_out_words == "Tilt and ends of the roller are solved."
-    soft = {
-        "material": "PDMS",
-        "profile": "sphere",
-        "radius": 0.01,
-        "punch": "skin",
-        "thickness": 3e-3,
-        "base": "steel",
-    }
-    without_charge = effects(soft | {"force": 0.02})
+    soft = {"material": "PDMS", "radius": 0.01, "punch": "skin", "thickness": 3e-3, "force": 0.02}
+    without_charge = effects(BALL | soft)
     assert not {"heat", "bending of the base", "spark beside the contact"} & {*without_charge}
     assert without_charge["roughness"].left_out_words.endswith("rms double it.")
     assert "amplifier" not in half_space

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from surrogate.search.optimise import Optimum, Problem, improve
 from workflow.design.question.pilot import ask
 from workflow.design.question.sources import Factors, shape
-from workflow.design.search import candidate as candidates
 from workflow.design.search import polish
-from workflow.design.search.candidate import Candidate
+from workflow.design.search.polish import Candidate
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -87,7 +86,7 @@ def ending(share: float) -> Callable[[Problem, Array, float], Optimum]:
 @pytest.mark.parametrize("beyond", [5e-12, 1e-10, 1e-9, 5e-7])
 def test_a_polish_that_ends_beyond_a_limit_by_little_retreats(beyond: float, monkeypatch: pytest.MonkeyPatch) -> None:
     began = found(Closed(lambda radius, friction: (1 + 1e-5) * rising(radius, friction)))  # infeasible by that
-    monkeypatch.setattr(candidates, "improve", ending(2e-10 + beyond))
+    monkeypatch.setattr(polish, "improve", ending(2e-10 + beyond))
     polished = polish.first_feasible([began])
     assert polished.best.feasible
     assert radius(polished) * (1 + 1e-5) <= BEST * (1 + 1e-12)

@@ -11,7 +11,7 @@ from surrogate import GaussianProcess
 from tests import studies
 from workflow.design.question import costly
 from workflow.design.search import targets
-from workflow.design.search.candidate import Candidate
+from workflow.design.search.polish import Candidate
 from workflow.run.provenance import ROOT
 from workflow.study.model import Study, load
 

@@ -15,7 +15,7 @@ from tests.studies import fitted, made
 from workflow.design.question import scenarios
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
-from workflow.design.wording import asides, words
+from workflow.design.wording import words
 from workflow.study.consistency import check_target
 from workflow.study.model import Study
 from workflow.study.target import Distribution, Target
@@ -48,7 +48,7 @@ def answer(composite: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
         "subject_to": ["trailing_tension <= 50 MPa"],
     }  # fmt: skip
     target = Target.model_validate(content | changed)
-    check_target(composite[0], "mine", target)
+    check_target(composite[0], target)
     return targets.answer(composite[0], "mine", target, composite[1])
 
 
@@ -180,7 +180,7 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand() -> None:
     np.testing.assert_allclose([term.spread for term in answer.terms[:2]], np.sqrt(squares), rtol=1e-4)
     assert np.isnan(answer.terms[2].spread)  # it counts over draws: no one case says what constants make of it
     goal = f"± {100 * np.sqrt(squares[0]):.2g} %"
-    sentence = asides.spread(answer)
+    sentence = words.spread(answer)
     largest = max(abs(effect) for effect in answer.terms[0].effect)
     assert f"changes the goal by {goal} (± {100 * largest:.2g} % by BaTiO3 " in sentence
     assert sentence.count("tension behind the contact by") == 1
@@ -193,4 +193,4 @@ def test_what_has_no_uncertain_constant_has_no_spread() -> None:
     answer = targets.solve_target(study, "sensor", fitted(study))
     assert answer.constants == ()
     assert np.isnan(answer.terms[0].spread)
-    assert asides.spread(answer) == ""
+    assert words.spread(answer) == ""

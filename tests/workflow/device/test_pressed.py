@@ -135,15 +135,7 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     assert isinstance(study.signal, Pressing)
     press_study = signal_case.of(study)
     shown = pressed.signal(press_study, study.signal, press_study.fixed).merge(pressed.held(press_study, study.signal))
-    ball = {
-        "material": "PZT-4",
-        "profile": "sphere",
-        "radius": 5e-3,
-        "thickness": 1e-4,
-        "surroundings": "insulated",
-        "base": "steel",
-        "punch": "steel",  # a device's default
-    }
+    ball = COATED | {"radius": 5e-3, "base": "steel", "punch": "steel"}  # a device's default
     exact = solver.solve({**ball, "force": 0.05})
     charge = 0.05 * float(exact["charge_per_force"])
     assert float(shown["contact_charge"]) == pytest.approx(charge, rel=1e-9)
@@ -161,10 +153,8 @@ def test_a_press_beside_the_designs_is_of_its_own_contact_and_amplifier(tmp_path
     assert figures["held"]["peak_pressure"] == pytest.approx(float(exact["peak_pressure"]), rel=1e-9)
     card = report.card(study, figures, figures["held"])
     assert card.title == "Steel ball, R = 5 mm, read by its amplifier"
-    assert (
-        card.build.replace("\N{NO-BREAK SPACE}", " ")
-        == "PZT-4, 100 µm on steel; steel ball, R = 5 mm, insulated around"
-    )
+    built = card.build.replace("\N{NO-BREAK SPACE}", " ")
+    assert built == "PZT-4, 100 µm on steel; steel ball, R = 5 mm, insulated around"
     share = float(exact["peak_pressure"]) / solver.find("PZT-4").limits["depoling_stress"].value
     assert share > 1  # beyond what PZT-4 bears
     assert not card.good

@@ -14,8 +14,7 @@ from approximation.arrays import Array
 from solver.face.heat import responses
 from workflow.device.circuit import Circuit, permittivity
 from workflow.device.contact import ContactCurves
-from workflow.device.signal import History, read
-from workflow.device.warmth import Warmth
+from workflow.device.signal import History, Warmth, read
 from workflow.language import grammar
 from workflow.study.sections import Device
 

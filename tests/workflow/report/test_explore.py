@@ -1,6 +1,5 @@
 """The page's map: the names of its limits stand beside lines, not across them."""
 
-import base64
 import json
 from itertools import pairwise
 from pathlib import Path
@@ -8,10 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from surrogate import GridGP, Input
-from surrogate.use.export import exported
 from tests.studies import made
 from tests.workflow.report.browser import in_node, needs_node
 from workflow.language import grammar
@@ -71,8 +67,6 @@ def test_the_panel_s_csv_quotes_commas_and_formulas(tmp_path: Path) -> None:
 SCRIPTS = "".join(
     (TEMPLATES / name).read_text(encoding="utf-8") for name in ("surrogate.js", "largest.js", "judging.js")
 )
-INPUTS = (Input("radius", 0.01, 0.1, "log"), Input("load", 1e3, 1e4))
-OUTPUTS = ["charge_per_force", "capacitance_per_length"]
 
 STUDY = """
 title: A sensor
@@ -85,16 +79,6 @@ device:
   electrode_length: 10 mm
   amplifier: {input_capacitance: 10 pF, cable_capacitance: 100 pF, charge_noise: 1 fC, voltage_noise: 20 uV}
 """
-
-
-def panel(fitted: GridGP) -> str:
-    """Script of a panel of one kind of case without limits."""
-    goal = {"tree": "charge_per_force", "worst": False, "maximise": True}
-    case = {"limits": [], "goal": goal, "scenarios": {}, "offsets": {}, "tolerances": {}, "count": 1, "few": [0]}
-    data = {"fixed": {}, "quantities": [{"name": name} for name in OUTPUTS], "cases": [case]}
-    kind = {"columns": [0, 1], "allowances": dict.fromkeys(OUTPUTS, 0.0)}
-    return f"""const model = loadSurrogate({json.dumps(exported(fitted))}), data = {json.dumps(data)};
-const judge = judging({{ data, model, chosen: 0, kind: {json.dumps(kind)} }});"""
 
 
 @needs_node
@@ -110,44 +94,3 @@ def test_figures_at_the_sliders_are_those_of_python(tmp_path: Path) -> None:
     assert in_node(script, values_of, tmp_path) == pytest.approx(expected, rel=1e-12)
     moved = in_node(script, "carried(trees.signal_charge, values, { charge_per_force: 1e-13 })", tmp_path)
     assert moved == pytest.approx(1e-13 * 5e3 * 0.01, rel=1e-9)  # linear in it: load times length times the change
-
-
-@needs_node
-def test_errors_go_together_in_the_page_as_in_python(tmp_path: Path) -> None:
-    random, axes = np.random.default_rng(0), dict(zip(("radius", "load"), INPUTS, strict=True))
-    held = {name: ("case", axis.from_unit(random.uniform(-1, 1, 200))) for name, axis in axes.items()}
-
-    def outputs(grid: xr.Dataset) -> xr.Dataset:
-        pole = 1 / (grid["radius"] - 0.008) ** 0.5
-        return grid.assign(
-            charge_per_force=pole + grid["load"] / 1e4,
-            capacitance_per_length=2 + 0.5 * pole + np.sin(grid["load"] / 500),
-        )
-
-    grid = xr.Dataset(coords={name: axis.levels(7) for name, axis in axes.items()})
-    fitted = GridGP(inputs=INPUTS).fit(outputs(grid)).calibrate(outputs(xr.Dataset(held)))
-    X = np.array([[axis.from_unit(0.3) for axis in INPUTS]])
-    charge, capacitance = fitted.predict_array(X)[0].tolist()
-    stored = exported(fitted)
-    assert stored is not None
-    rooms = np.frombuffer(base64.b64decode(stored["interval"]["rooms"]["data"]))  # of the page's rounding
-    weights = {"/": [1 / capacitance, -charge / capacitance**2], "+": [1.0, 1.0]}
-    known = f"{{ charge_per_force: {charge!r}, capacitance_per_length: {capacitance!r} }}"
-    for symbol, slopes in weights.items():
-        script = (
-            f"offBy(model, ['{symbol}', 'charge_per_force', 'capacitance_per_length'], {known}, judge.errors(answer))"
-        )
-        sizes = in_node(f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);", script, tmp_path)
-        expected = float(np.abs(fitted.ends_of_sum(X, np.array([slopes]))).max())
-        added = float(
-            np.abs(np.stack(fitted.interval_array(X))[:, 0] - [charge, capacitance]).max(axis=0) @ np.abs(slopes)
-        )
-        # the derivatives here are difference quotients over one deviation, small beside the values
-        assert sizes == pytest.approx(expected + np.abs(slopes) @ rooms, rel=1e-3)
-        assert sizes < added
-    lone = in_node(
-        f"{SCRIPTS}{panel(fitted)} const answer = predict(model, [0.3, 0.3]);",
-        f"offBy(model, ['*', 'capacitance_per_length', 3], {known}, judge.errors(answer))", tmp_path,
-    )  # fmt: skip
-    ends = np.stack(fitted.interval_array(X))[:, 0, 1] - capacitance
-    assert lone == pytest.approx(3 * (np.abs(ends).max() + rooms[1]), rel=2e-5)  # calibrated in single precision

@@ -65,13 +65,7 @@ def test_times_hold_tables_and_the_panel_knows_no_closed_form(study: Study, monk
 def test_what_hangs_on_the_datum_is_said_of_the_base_where_it_does(study: Study) -> None:
     rows = {row["name"]: row for row in exact.changes(study)}
     assert all(name.endswith("[steel]") for name in rows)
-    case = {
-        **study.fixed,
-        "volume_fraction": 0.55,
-        "thickness": np.sqrt(2e-4 * 3e-4),
-        "surroundings": "insulated",
-        "base": "steel",
-    }
+    case = {**study.fixed, "volume_fraction": 0.55, "thickness": np.sqrt(2e-4 * 3e-4), "base": "steel"}
     depths = solver.solve({**case, "datum": [0.1, 1.0, 10.0]})["depth"]
     np.testing.assert_allclose(rows["depth[steel]"]["values"], depths, rtol=1e-12)
     assert np.isfinite(rows["depth[steel]"]["slope"])

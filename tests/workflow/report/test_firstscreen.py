@@ -12,8 +12,7 @@ from storage.netcdf import read_whole
 from tests.studies import shipped
 from tests.workflow.conftest import Project
 from workflow.design.verdict import netcdf
-from workflow.design.wording import asides
-from workflow.design.wording.words import verdict
+from workflow.design.wording.words import first_to_break, verdict
 from workflow.language.numbers import shown
 from workflow.language.titles import title
 from workflow.report import device, exact, firstscreen, ranked, sentences, svg
@@ -118,8 +117,8 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     )
     terms = (goal, replace(answer.terms[1], margin=0.3), tight)
     within = replace(answer, variables=tolerated, terms=terms)
-    assert "2 %" in asides.first_to_break(within)
-    assert asides.first_to_break(replace(answer, terms=(goal,))) == ""
+    assert "2 %" in first_to_break(within)
+    assert first_to_break(replace(answer, terms=(goal,))) == ""
     missed = verdict(netcdf.read(folder / "impossible.nc")).kind
     assert sentences.reached({"sensor": screen.verdict, "a b": missed}) == "A b is not reachable (1 of 2 targets)."
     assert sentences.reached({"sensor": screen.verdict}) == "The target is reachable."

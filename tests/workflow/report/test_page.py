@@ -222,9 +222,8 @@ def test_sliders_move_numbers_that_are_those_of_python(ran: Project, tmp_path: P
             assert float(place["mean"][name]) == pytest.approx(float(mean[name]), abs=room)
             half = float(ends[f"{name}_upper"] - ends[f"{name}_lower"]) / 2
             for end in ("lower", "upper"):
-                assert float(place[end][name]) == pytest.approx(
-                    float(ends[f"{name}_{end}"]), abs=2 * room + 1e-4 * half
-                )
+                expected = float(ends[f"{name}_{end}"])
+                assert float(place[end][name]) == pytest.approx(expected, abs=2 * room + 1e-4 * half)
             value, unit, interval = place["interval"][name]
             units = ALL_QUANTITIES[name].units
             assert f"{value} {unit}".strip() == numbers.shown(float(place["mean"][name]), units, 3)
@@ -348,9 +347,8 @@ def test_lists_choose_what_the_panel_shows(ran: Project, tmp_path: Path) -> None
     """The panel of a study with categories, in the place of the panel of the small study."""
     study = made(CHOSEN)
     model, quantities = fitted(study, calibrated=True), factorial.exact(study, factorial.axes(study))
-    content = whatif.content(
-        study, model, quantities, [targets.solve_target(study, name, model) for name in study.design]
-    )
+    answers = [targets.solve_target(study, name, model) for name in study.design]
+    content = whatif.content(study, model, quantities, answers)
     environment = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True)
     environment.filters["title"] = title
     assert content is not None

@@ -136,13 +136,8 @@ def test_the_map_is_the_goal_over_the_scenarios_and_a_click_moves_the_sliders(
     broken = tension.max(axis=-1) > 35e6  # what BaTiO3 bears
     assert 0 < broken.sum() < broken.size
     assert int(drawn["broken"]) == broken.sum()
-    for words in (
-        "tension behind the contact at most 35 MPa",
-        "radius [mm]",
-        "volume fraction",
-        "voltage per load [mV·m/N]",
-    ):
-        assert words in drawn["words"]
+    named = ("tension behind the contact at most 35 MPa", "radius [mm]", "volume fraction", "voltage per load [mV·m/N]")
+    assert all(words in drawn["words"] for words in named)
     # the star, the large number and the card say the same
     value = shown(exact, "V m N-1", 3)
     assert seen["star"].startswith(f"the design, exact\nvoltage per load at worst over friction 0.1 to 0.4: {value}\n")
@@ -173,23 +168,16 @@ def test_the_stack_is_drawn_as_python_draws_it(seen: dict[str, Any], model: surr
                  slides=point["friction"] > 0)  # fmt: skip
     assert body["slides"] == "friction"
 
+    papers = r'<rect width[^>]*>|<rect [^>]*height="250"[^>]*>|<svg[^>]*>|<g [^>]*>|<marker.*?</marker>'
+
     def drawn(text: str) -> tuple[list[str], list[float]]:
-        labels = re.findall(r"<text[^>]*>([^<]*)", text)
-        return labels, [
-            float(x)
-            for x in re.findall(
-                r"-?\d+\.?\d*", " ".join(re.findall(r'(?:points|[xy][12]?|width|height)="([^"]*)"', text))
-            )
-        ]
+        """Words and numbers of a drawing without its papers, parts and arrow tips."""
+        bare = re.sub(papers, "", text)
+        places = " ".join(re.findall(r'(?:points|[xy][12]?|width|height)="([^"]*)"', bare))
+        return re.findall(r"<text[^>]*>([^<]*)", bare), [float(place) for place in re.findall(r"-?\d+\.?\d*", places)]
 
-    def bare(text: str) -> str:
-        """The drawing without its papers, parts and arrow tips."""
-        return re.sub(
-            r'<rect width[^>]*>|<rect [^>]*height="250"[^>]*>|<svg[^>]*>|<g [^>]*>|<marker.*?</marker>', "", text
-        )
-
-    words, numbers = drawn(bare(seen["stack"]))
-    expected_words, expected = drawn(bare(device.draw(drawn_punch, "")))
+    words, numbers = drawn(seen["stack"])
+    expected_words, expected = drawn(device.draw(drawn_punch, ""))
     assert words == expected_words
     np.testing.assert_allclose(numbers, expected, atol=0.011)
 
@@ -202,12 +190,8 @@ def test_fields_are_those_of_python(
     fields = surrogate.load(quickstart_run.folder / "results/quickstart/surface.nc")
     expected = surface.predict(fields, model, seen["start"], X)
     for name in surface.NAMES:
-        np.testing.assert_allclose(
-            seen["fields"][name],
-            expected[name],
-            rtol=0,
-            atol=10 * ERROR * np.abs(expected[name]).max(),  # singular edges
-        )
+        room = 10 * ERROR * np.abs(expected[name]).max()  # singular edges
+        np.testing.assert_allclose(seen["fields"][name], expected[name], rtol=0, atol=room)
     assert seen["charts"] == [1, 1, 1, 1]
 
 

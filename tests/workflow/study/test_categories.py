@@ -102,10 +102,10 @@ def test_questions_in_words(study: Study) -> None:
     assert target.variables["material"].choices == ["PZT-4", "PZT-5H"]
     assert target.at["profile"] == "cylinder"  # its default
     for words, says in (
-        ({"over": ["radius,material=PZT-6"]}, "design: material: 'PZT-6' is not one of BaTiO3, PZT-4, PZT-5H"),
-        ({"at": ["load=1e4,profile=wedge"]}, "design: profile: 'wedge' is not one of cylinder, half_cylinder"),
+        ({"over": ["radius,material=PZT-6"]}, "material: 'PZT-6' is not one of BaTiO3, PZT-4, PZT-5H"),
+        ({"at": ["load=1e4,profile=wedge"]}, "profile: 'wedge' is not one of cylinder, half_cylinder"),
         ({"worst_case": ["profile=0:1"]}, "worst_case.profile"),
         ({"over": ["radius,material=1:2"]}, "material: 1.0 is not one of BaTiO3, PZT-4"),
     ):
         with pytest.raises((InputError, ValueError), match=rf"^[^\n]*{re.escape(says)}[^\n]*$"):
-            check_target(study, "design", questions.target(study, options | words))
+            check_target(study, questions.target(study, options | words))

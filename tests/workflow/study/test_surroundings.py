@@ -6,11 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from solver import solve
 from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR, POINT_FILM_IN_AIR
 from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
+from storage.netcdf import read_whole
 from tests.studies import made, refusal
+from workflow.dataset import slabs
 from workflow.dataset.effects import effect
+from workflow.design.search import targets
 from workflow.language import grammar
+from workflow.learning import training
+from workflow.report import exact
 from workflow.study import defaults
 from workflow.study.contents import Contents, Origin
 from workflow.study.model import Study
@@ -201,3 +207,38 @@ def test_groups_that_have_no_place_for_it_leave_it_rigid() -> None:
         study.defaults[-1]
         == "punch: rigid, since its groups do not tell what one of steel makes of its surrogate.outputs"
     )
+
+
+DESIGNED = """\
+title: A half-plane in air
+fixed: {material: PZT-4, magnetic: insulating, surroundings: air}
+factors:
+  radius: {low: 0.03, high: 0.05, levels: 3, scale: log}
+  load: {low: 8e3, high: 1.2e4, levels: 3, scale: log}
+dataset: {slabs: 1, positions: {inside: 4, outside: 2}}
+surrogate: {outputs: [peak_pressure, charge_per_force, capacitance_at_load]}
+validation: {cases: 20, calibration: 40, tolerance: 0.05}
+device: {electrode_length: 10 mm, amplifier: {input_capacitance: 10 pF, cable_capacitance: 100 pF}}
+design:
+  voltage:
+    maximise: abs(signal_voltage)
+    over: [radius]
+    at: {load: 1e4}
+    subject_to: [peak_pressure <= 90 MPa]
+"""
+
+
+def test_data_and_design_of_a_study_in_air(tmp_path: Path) -> None:
+    study = made(DESIGNED)
+    slabs.write_slab(study, 0, tmp_path / "slab_0.nc")
+    data = read_whole(tmp_path / "slab_0.nc")
+    assert {"capacitance_at_load", "gap_field"} <= set(data.data_vars)
+    assert data.sizes["position"] == 6
+    assert float(abs(data["electric_displacement_y"].isel(position=0)).min()) > 0  # beside the contact
+    model = training.fit(study, data.drop_dims("position"))
+    design = targets.solve_target(study, "voltage", model)
+    in_air, other = exact.solved(study, {"voltage": design})["designs"]["voltage"]["around"]["quantities"]["voltage"]
+    assert in_air / other < 0.95
+    solved = solve({"material": "PZT-4", "magnetic": "insulating", "surroundings": "air", **design.case})
+    figure = next(row.figure_low for row in design.figures if row.figure == "circuit_capacitance")
+    assert figure == pytest.approx(110e-12 + 0.01 * float(solved["capacitance_at_load"]), rel=1e-9)

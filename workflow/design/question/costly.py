@@ -14,10 +14,9 @@ from typing_extensions import override
 
 from approximation.arrays import Array, Indices
 from workflow.design.question.question import Question
-from workflow.design.question.risk import Key
+from workflow.design.question.risk import Key, Term
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Factors, Predicted, Source
-from workflow.design.question.terms import Term
 
 Bools = NDArray[np.bool_]
 

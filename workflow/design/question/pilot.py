@@ -11,9 +11,8 @@ from approximation.arrays import Array
 from approximation.sobol import sobol_points
 from solver import units
 from workflow.design.question.question import Question
-from workflow.design.question.risk import RelativeDeviation, WorstCase
+from workflow.design.question.risk import RelativeDeviation, Term, WorstCase
 from workflow.design.question.sources import Exact, Predicted
-from workflow.design.question.terms import Term
 from workflow.language.expressions import Call, Expression, Number, Operation, Power
 from workflow.study.model import Study
 from workflow.study.reading import InputError

@@ -13,10 +13,9 @@ from surrogate import Input
 from surrogate.search.optimise import Problem
 from workflow.dataset import factorial
 from workflow.design.question import scenarios
-from workflow.design.question.risk import Key, Quantile, RelativeDeviation, RiskMeasure, WorstCase, measure
+from workflow.design.question.risk import Key, Quantile, RelativeDeviation, RiskMeasure, Term, WorstCase, measure
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Factors, Predicted, Source, shape
-from workflow.design.question.terms import Term
 from workflow.language.constants import CONSTANTS
 from workflow.language.expressions import Expression
 from workflow.language.statements import Limit, Objective
@@ -86,7 +85,7 @@ class Question:
         return terms
 
     def _measure(self, statement: Objective | Limit) -> RiskMeasure:
-        """How a statement counts scenarios; a deviation has the weights of its means over each set of them."""
+        """Risk measure of a statement; that of a deviation has the weights of its means over each set of scenarios."""
         if statement.deviation:
             names = self.target.deviating(statement)
             sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, self._judged_nodes)]

@@ -1,7 +1,7 @@
-"""Risk measures: what a term counts as over its scenarios, as rows that an optimiser bounds, with their derivatives.
+"""Terms of a design question and their risk measures: what a term counts as over its scenarios.
 
-Each maps values of a term over scenarios, (n, groups, draws), to rows (n, r), and, for one point, to the
-Jacobian (r, groups * draws) of the rows by the values.
+Each risk measure maps values of a term over scenarios, (n, groups, draws), to rows (n, r) that an optimiser bounds,
+and, for one point, to the Jacobian (r, groups * draws) of the rows by the values.
 """
 
 from abc import ABC, abstractmethod
@@ -11,12 +11,18 @@ from functools import cache
 
 import numpy as np
 import scipy  # scipy.special, slow to import, and not every job answers a question
+from numpy.typing import NDArray
 
 from approximation.arrays import Array
 from workflow.language import statistics
+from workflow.language.expressions import Expression
 
 #: What tells the sets of scenarios of a question apart: draws or not, or the factors of a deviation.
 Key = bool | tuple[str, ...]
+#: Margin below which a limit binds.
+BINDS = 1e-3
+_MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
+_REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
 
 
 class RiskMeasure(ABC):
@@ -127,3 +133,67 @@ def _by_group(weights: Array) -> Array:
     whole = np.zeros((groups, groups, draws))
     whole[np.arange(groups), np.arange(groups)] = weights
     return whole.reshape(groups, -1)
+
+
+@dataclass(frozen=True)
+class Term:
+    """An objective or a limited expression, with what it counts as over the scenarios."""
+
+    label: str  # As the study has it
+    expression: Expression  # What is computed
+    sign: float  # An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound
+    measure: RiskMeasure  # How scenarios count: the risk measure
+    bound: float = np.nan  # Limit, NaN for an objective
+    scale: float = 1.0  # Size of the bound, or of the expression where the bound is zero
+    unitless: bool = False  # Whether the bound was written without the unit that the expression has
+
+    @property
+    def limited(self) -> bool:
+        """Return whether the term is a limit."""
+        return not np.isnan(self.bound)
+
+    @property
+    def units(self) -> str:
+        """Unit in the interface's notation where a quantity has it, in base units otherwise."""
+        if isinstance(self.measure, RelativeDeviation):
+            return "1"
+        return self.expression.lone() or str(self.expression.unit() or "1")
+
+    def meets(self, other: "Term") -> bool:
+        """Return whether this limit and another one of the same expression leave one value only: an equality."""
+        same = self.expression == other.expression and all(
+            isinstance(term.measure, WorstCase) for term in (self, other)
+        )
+        return same and self.sign == -other.sign and abs(self.bound - other.bound) <= _MEET * self.scale
+
+    def worst(self, rows: Array) -> Array:
+        """The row that decides, over the last axis: the least objective, the largest use of a limit."""
+        return np.asarray(rows.min(-1) if (self.sign > 0) != self.limited else rows.max(-1))
+
+    def counted(self, values: Array) -> Array:
+        """Value of the term from values over scenarios: (n, groups, draws) -> (n,)."""
+        return self.worst(self.measure.rows(values))
+
+    def weights(self, values: Array) -> Array:
+        """Weight of every scenario in the row that decides: (groups, draws) -> (scenarios,)."""
+        return np.abs(self.slopes(values))
+
+    def slopes(self, values: Array) -> Array:
+        """Derivatives of the row that decides by the scenarios' values: (groups, draws) -> (scenarios,)."""
+        rows = self.measure.rows(values[None])[0]
+        row = int(np.flatnonzero(rows == self.worst(rows))[0])
+        return np.asarray(self.measure.jacobian(values)[row])
+
+    def deciding(self, values: Array) -> NDArray[np.bool_]:
+        """The fewest scenarios that make the row that decides: (groups, draws) -> (scenarios,)."""
+        weights = self.weights(values)
+        order = np.argsort(weights)
+        decides = np.ones(weights.size, dtype=bool)
+        decides[order[np.cumsum(weights[order]) <= _REST * weights.sum()]] = False
+        return decides
+
+    def oriented(self, rows: Array | float, safety: float = 0.0) -> Array:
+        """Rows that are maximised, or those of a limit as relative excess."""
+        if not self.limited:
+            return np.asarray(self.sign * rows)
+        return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from approximation.arrays import Array
 from approximation.sobol import sobol_points
-from workflow.design.question.terms import Term
+from workflow.design.question.risk import Term
 from workflow.study.target import Target
 
 #: Nodes a factor of a tensor of ranges, by the number of factors, while searching and while judging the outcome.
@@ -60,12 +60,9 @@ def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
     """The same in groups: within a group only some names change, over their nodes, which are its draws."""
     levels = _levels(target, nodes)
-    group_levels = _tensor({name: values for name, values in levels.items() if name not in names})
-    inner_levels = _tensor({name: levels[name] for name in names})
-    size = len(inner_levels[names[0]])
-    groups = len(next(iter(group_levels.values()))) if group_levels else 1
-    whole = {name: np.repeat(values, size) for name, values in group_levels.items()}
-    return _parted(target, whole | {name: np.tile(values, groups) for name, values in inner_levels.items()}, size)
+    groups = _tensor({name: values for name, values in levels.items() if name not in names})
+    inner = _tensor({name: levels[name] for name in names})
+    return _parted(target, _crossed(groups, inner), len(inner[names[0]]))
 
 
 def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Array:
@@ -96,16 +93,21 @@ def draws(target: Target, count: int) -> Scenarios:
     """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range."""
     count_of_nodes = GROUPS.get(len(target.worst_case), 3)
     groups = _tensor({name: _nodes(low, high, count_of_nodes) for name, (low, high) in target.worst_case.items()})
-    size = len(next(iter(groups.values()))) if groups else 1
-    names = target.random
     # the middle of its cell instead of the corner: no draw is an end of a support
-    shares = (np.floor(sobol_points(count, len(names), None) * count) + 0.5) / count
-    levels = {name: np.repeat(values, count) for name, values in groups.items()}
-    for column, name in enumerate(names):
-        share = shares[:, column]
-        drawn = target.uncertain[name].quantile(share) if name in target.uncertain else 2 * share - 1
-        levels[name] = np.tile(drawn, size)
-    return _parted(target, levels, count)
+    shares = (np.floor(sobol_points(count, len(target.random), None) * count) + 0.5) / count
+    drawn = {
+        name: target.uncertain[name].quantile(share) if name in target.uncertain else 2 * share - 1
+        for name, share in zip(target.random, shares.T, strict=True)
+    }
+    return _parted(target, _crossed(groups, drawn), count)
+
+
+def _crossed(groups: Mapping[str, Array], inner: Mapping[str, Array]) -> dict[str, Array]:
+    """Every case of some groups with every one of the inner cases, which follow each other."""
+    size = len(next(iter(inner.values())))
+    count = len(next(iter(groups.values()))) if groups else 1
+    whole = {name: np.repeat(values, size) for name, values in groups.items()}
+    return whole | {name: np.tile(values, count) for name, values in inner.items()}
 
 
 def _parted(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:

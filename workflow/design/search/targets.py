@@ -18,7 +18,7 @@ from workflow.design.question.pilot import ask
 from workflow.design.question.question import Question
 from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import contact_fields, polish
-from workflow.design.search.candidate import Candidate
+from workflow.design.search.polish import Candidate
 from workflow.design.verdict import assessment, leftout
 from workflow.design.verdict.answer import ROUNDING, Answer, Category, Choice, Role, Tolerated
 from workflow.design.verdict.netcdf import SOURCE, SOURCE_OF_FILMS

@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 
-from workflow.design.question.terms import BINDS
+from workflow.design.question.risk import BINDS
 from workflow.design.verdict.leftout import LeftOut
 from workflow.language import titles
 from workflow.language.numbers import number, shown

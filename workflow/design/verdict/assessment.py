@@ -12,10 +12,9 @@ from solver.units import written
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
-from workflow.design.question.risk import Key, WorstCase
+from workflow.design.question.risk import Key, Term, WorstCase
 from workflow.design.question.scenarios import Scenarios
 from workflow.design.question.sources import Exact, Predicted, Source, shape
-from workflow.design.question.terms import Term
 from workflow.design.verdict import linearity, merit
 from workflow.design.verdict.answer import Answer, Constant, End, Range, Role, Scenario, Sensitivity, Variable
 from workflow.design.verdict.answer import Term as JudgedTerm

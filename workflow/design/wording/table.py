@@ -12,8 +12,7 @@ import numpy as np
 
 from workflow.design.verdict import netcdf
 from workflow.design.verdict.answer import Answer
-from workflow.design.wording import asides
-from workflow.design.wording.words import verdict
+from workflow.design.wording.words import spread, verdict
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
@@ -48,7 +47,7 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
     lines += [answer.status, f"polish: {answer.polish}"]
     for effect in answer.left_out:
         lines += _paragraph(f"left out: {effect.left_out_words}")
-    for note in filter(None, (answer.flags, asides.spread(answer))):
+    for note in filter(None, (answer.flags, spread(answer))):
         lines += _paragraph(f"note: {note}")
     return "\n".join(lines)
 
@@ -71,7 +70,7 @@ def as_json(answer: Answer) -> str:
         "status": answer.status,
         "flags": answer.flags,
         "feasible": answer.feasible,
-        "spread": asides.spread(answer),
+        "spread": spread(answer),
         "factors": {
             variable.name: {
                 "value": variable.value,

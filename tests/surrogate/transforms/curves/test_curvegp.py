@@ -12,7 +12,6 @@ from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels
 from surrogate import CurveGP
-from surrogate.face.persistence import ENGINES, nested, restored
 from surrogate.transforms.curves.basis import Basis
 from surrogate.transforms.curves.landscape import Landscape
 from surrogate.transforms.groups import Scaling
@@ -94,20 +93,6 @@ def test_effects_are_those_of_the_inputs(model: CurveGP) -> None:
     b = np.array([1.5, 1.875 - 1.5**2 / np.log(4)]) / np.log(4)
     first = np.array([a[1] * b[0] ** 2, b[1] * a[0] ** 2])
     assert indices["first_order"].values == pytest.approx(first / (first.sum() + a[1] * b[1]), abs=1e-4)
-
-
-def test_a_hostile_file_is_refused(model: CurveGP) -> None:
-    stored = nested(model)
-    for change, words in (
-        ({"largest_place": stored["largest_place"] + 9}, "follows from fields that its curves do not have"),
-        ({"curve_across_0": stored["curve_across_0"] + 1}, "does not fit their panels"),
-        ({"curve_across_0": stored["curve_across_0"] * 0}, "have panels of"),
-        ({"measure_linear_0": ("other", np.zeros(3))}, "a measure of shapes"),
-    ):
-        with pytest.raises(ValueError, match=words):
-            restored(stored.drop_vars(list(change)).assign(change), tuple(ENGINES))
-    with pytest.raises(ValueError, match="unknown engine 'curves'; known are grid, scatter, grouped"):
-        restored(stored.assign_attrs(smooth_engine="curves"), tuple(ENGINES))
 
 
 @pytest.mark.parametrize("seed", range(4))
