@@ -6,7 +6,6 @@ import numpy as np
 
 from solver import solve
 from solver.names import ALL_QUANTITIES, FACTORS
-from surrogate import Input
 from workflow.study.contents import Contents
 
 #: Names of the quantities that change with the datum of a half-plane.
@@ -22,6 +21,18 @@ def length(study: Contents) -> float | None:
     return float(study.fixed.get("datum", FACTORS["datum"].default or 1.0))
 
 
+def inner(study: Contents, share: float = 0.5) -> dict[str, float]:
+    """A point of the box."""
+    return {
+        name: float(
+            axis.low ** (1 - share) * axis.high**share
+            if axis.scale == "log"
+            else (1 - share) * axis.low + share * axis.high
+        )
+        for name, axis in study.factors.items()
+    }
+
+
 def hanging(study: Contents) -> frozenset[str]:
     """Names of the quantities that change with the datum in some cases of a study.
 
@@ -30,8 +41,7 @@ def hanging(study: Contents) -> frozenset[str]:
     """
     if study.kind.datum != "by_base":
         return HANGING if study.kind.datum == "relative" else frozenset()
-    inputs = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
-    case = {axis.name: axis.high if axis.name in study.tabled else float(axis.from_unit(0.4)) for axis in inputs}
+    case = inner(study, 0.7) | {name: study.factors[name].high for name in study.tabled}
     datum = (case.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
     cases = {**fixed, **study.categories, **case, "datum": datum}
