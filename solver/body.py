@@ -72,11 +72,6 @@ class Kind:
         return FIELDS if self.contact == "line" else POINT_FIELDS
 
     @property
-    def slides(self) -> bool:
-        """True of line contacts, whose punch always slides; a point contact slides where it has friction."""
-        return self.contact == "line"
-
-    @property
     def unbounded(self) -> str:
         """Word for a body without layers."""
         return "half-space" if self.contact == "point" else "half-plane"

@@ -115,29 +115,20 @@ def write_blocks(
     """Write a data set to a netCDF-4 file in blocks, with statistics of every variable; it appears whole or not."""
     frame = as_stored(frame.drop_encoding())
     frame.attrs |= standard(frame) | purpose(Path(path))
-    with appearing(Path(path), sealed=True) as partial:
-        _write(partial, frame, blocks, chunks)
-
-
-def _write(
-    partial: Path,
-    frame: xr.Dataset,
-    blocks: Iterable[tuple[Region, Mapping[str, NDArray[Any]]]],
-    chunks: Mapping[str, int],
-) -> None:
     skeleton = frame.drop_vars(list(frame.data_vars))
-    skeleton.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encodings(skeleton))
-    with netCDF4.Dataset(partial, "a") as file:
-        for dim, size in frame.sizes.items():
-            if dim not in file.dimensions:
-                file.createDimension(str(dim), size)
-        stored = {str(name): _created(file, str(name), frame[name], chunks) for name in frame.data_vars}
-        for region, values in blocks:
-            for name, output in stored.items():
-                output.put(region, np.asarray(values[name]))
-        digests = {name: output.completed(frame[name].attrs) for name, output in stored.items()}
-        digests |= checksum_parts(skeleton)
-        file.setncattr(CHECKSUM, combined(digests, frame.attrs))
+    with appearing(Path(path), sealed=True) as partial:
+        skeleton.to_netcdf(partial, format="NETCDF4", engine="netcdf4", encoding=encodings(skeleton))
+        with netCDF4.Dataset(partial, "a") as file:
+            for dim, size in frame.sizes.items():
+                if dim not in file.dimensions:
+                    file.createDimension(str(dim), size)
+            stored = {str(name): _created(file, str(name), frame[name], chunks) for name in frame.data_vars}
+            for region, values in blocks:
+                for name, output in stored.items():
+                    output.put(region, np.asarray(values[name]))
+            digests = {name: output.completed(frame[name].attrs) for name, output in stored.items()}
+            digests |= checksum_parts(skeleton)
+            file.setncattr(CHECKSUM, combined(digests, frame.attrs))
 
 
 def _created(file: netCDF4.Dataset, name: str, array: xr.DataArray, chunks: Mapping[str, int]) -> _Stored:

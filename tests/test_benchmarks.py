@@ -82,17 +82,6 @@ def test_the_comparison_on_scattered_cases_is_with_the_truth_and_tells_who_is_mi
     assert "left out, as not installed here: another" in capsys.readouterr().out
 
 
-def test_the_circuit_and_the_kink_are_those_of_their_sources() -> None:
-    # all inputs in the middle: 100, 47.5, 1.75, 1.85, 0.725 kilo-ohms and a gain of 175
-    amplified = 175 * 9.725
-    base = 12 * 47.5 / 147.5 + 0.74
-    want = base * amplified / (amplified + 1.75) + 11.35 * 1.75 / (amplified + 1.75)
-    want += 0.74 * 1.75 * amplified / ((amplified + 1.75) * 1.85)
-    assert scattered.circuit(np.zeros((1, 6)))[0] == pytest.approx(want, rel=1e-14)
-    ends = scattered.kinked(np.array([[-1e-3, 0, 0, 0, 0, 0], [1e-3, 0, 0, 0, 0, 0]]))
-    assert ends == pytest.approx([1e-3, 1e-3])
-
-
 def test_the_yardstick_of_tables_is_the_same_contact() -> None:
     fraction, random = np.linspace(0.1, 0.9, 5).repeat(10), np.random.default_rng(0)
     ours, plain = asked.half_planes(fraction, {name: random.uniform(*ends, 50) for name, ends in asked.BOX.items()})

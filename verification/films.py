@@ -125,14 +125,8 @@ def _limit(ratios: Array, values: Array) -> float:
 
 def _totals() -> float:
     """Largest relative error of the integrals of p, -D_y and -B_y, by Gauss panels in theta = acos X."""
-    case = {
-        **COMPOSITE,
-        "base": "steel",
-        "surroundings": "insulated",
-        "thickness": 2e-4,
-        "charge": 2e-5,
-        "magnetic_charge": 1e-2,
-    }
+    case: Case = COMPOSITE | {"base": "steel", "surroundings": "insulated", "thickness": 2e-4}
+    case |= {"charge": 2e-5, "magnetic_charge": 1e-2}
     nodes, weights = np.polynomial.legendre.leggauss(24)
     ends = np.array([0, 1e-3, 0.03, 0.3, 1])  # crowded where the tractions are powers of theta
     ends = np.pi / 2 * np.concatenate([ends, 2 - ends[-2::-1]])

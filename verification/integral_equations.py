@@ -14,7 +14,6 @@ import solver
 from verification.cases import SIH_SONG, Array, Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, Timing, check, off
 from verification.oracles import collocation
-from verification.oracles.collocated import fields
 from verification.oracles.surface_response import SurfaceResponse, surface_response
 
 RADIUS, WIDTH, SLOPE = 0.05, 4e-4, 2e-3
@@ -125,7 +124,7 @@ def _answers(numerical: collocation.Contact, surface: SurfaceResponse, datum: fl
     """Quantities and fields of a case by collocation, by name."""
     response = zip(("depth", "voltage", "magnetic_potential"), numerical.punch_response(datum), strict=True)
     ends = {"contact_trailing": np.array(numerical.trailing), "contact_leading": np.array(numerical.leading)}
-    return {**ends, **{name: np.array(value) for name, value in response}, **fields(numerical, surface, X)}
+    return {**ends, **{name: np.array(value) for name, value in response}, **collocation.fields(numerical, surface, X)}
 
 
 def _difference(solution: xr.Dataset, expected: dict[str, Array]) -> float:

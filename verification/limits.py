@@ -15,6 +15,7 @@ X = np.array([-6.0, -1.5, -0.999, -0.4, 0.1, 0.6, 0.98, 1.2, 4.0])
 INSIDE = np.abs(X) < 1
 STEEL = (200e9, 0.3)
 PUNCH = {"radius": 0.05, "load": 1e5}
+POTENTIALS = ("voltage", "magnetic_potential")
 #: By the field that is left (1 electric, 2 magnetic): constants that vanish, those that must not matter, the charge.
 _UNCOUPLED: dict[int, tuple[tuple[str, ...], tuple[str, ...], dict[str, float]]] = {
     1: (("f31", "f33", "f15", "g11", "g33"), ("mu11", "mu33"), {"charge": 1e-6}),
@@ -72,20 +73,23 @@ def _sliding() -> float:
     worst = 0.0
     for friction in (0.01, 0.3, 1.0, 3.0):
         out = solver.solve({"material": solver.Material.isotropic(*STEEL), **PUNCH, "friction": friction}, X)
-        alpha = np.arctan2(1, friction * (1 - 2 * poisson) / (2 * (1 - poisson))) / np.pi
         lam = 2 * (1 - poisson**2) / young
-        width = np.sqrt(2 * lam * PUNCH["radius"] * PUNCH["load"] / (np.pi * alpha * (1 - alpha)))
+        kap = -lam * (1 - 2 * poisson) / (2 * (1 - poisson))
+        alpha, trailing, leading = _ends(lam, kap, friction)
         inside = X[INSIDE]
-        pressure = np.sin(np.pi * alpha) / (lam * PUNCH["radius"]) * width / 2
+        pressure = np.sin(np.pi * alpha) / (lam * PUNCH["radius"]) * (trailing + leading) / 2
         pressure = pressure * (1 - inside) ** alpha * (1 + inside) ** (1 - alpha)
-        result = [
-            out.pressure_exponent,
-            out.contact_trailing,
-            out.contact_leading,
-            *out.contact_pressure.values[INSIDE],
-        ]
-        worst = max(worst, off_each(result, [alpha, (1 - alpha) * width, alpha * width, *pressure]))
+        ends = out.pressure_exponent, out.contact_trailing, out.contact_leading
+        result = [*ends, *out.contact_pressure.values[INSIDE]]
+        worst = max(worst, off_each(result, [alpha, trailing, leading, *pressure]))
     return worst
+
+
+def _ends(lam: float, kap: float, friction: float) -> tuple[float, float, float]:
+    """Exponent and ends of a sliding cylinder (theory section 3)."""
+    alpha = float(np.arctan2(1, -friction * kap / lam)) / np.pi
+    width = float(np.sqrt(2 * lam * PUNCH["radius"] * PUNCH["load"] / (np.pi * alpha * (1 - alpha))))
+    return alpha, (1 - alpha) * width, alpha * width
 
 
 def _flat(friction: float) -> float:
@@ -118,13 +122,7 @@ def _uncoupled(field: int) -> float:
         solver.solve({"material": solver.Material.from_mapping(m | change), **case}, X)
         for change in ({}, {name: 7 * m[name] for name in other})
     )
-    names = [
-        "contact_trailing",
-        "contact_leading",
-        "peak_pressure",
-        "depth",
-        ("voltage", "magnetic_potential")[field - 1],
-    ]
+    names = ["contact_trailing", "contact_leading", "peak_pressure", "depth", POTENTIALS[field - 1]]
     same = off_each([alone[name] for name in names], [coupled[name] for name in names])
     silent = ("magnetic_potential", "magnetic_induction_y") if field == 1 else ("voltage", "electric_displacement_y")
     answered = max(float(np.max(np.abs(alone[name]))) for name in silent)
@@ -132,10 +130,8 @@ def _uncoupled(field: int) -> float:
     N, k = _smaller(m, field)
     lam = N[0, 0] - N[0, 1] ** 2 / N[1, 1]
     kap = k[0] - N[0, 1] * k[1] / N[1, 1]
-    alpha = np.arctan2(1, -case["friction"] * kap / lam) / np.pi
-    width = np.sqrt(2 * lam * PUNCH["radius"] * PUNCH["load"] / (np.pi * alpha * (1 - alpha)))
     values = [alone.pressure_exponent, alone.contact_trailing, alone.contact_leading]
-    return max(same, answered, off_each(values, [alpha, (1 - alpha) * width, alpha * width]))
+    return max(same, answered, off_each(values, _ends(lam, kap, case["friction"])))
 
 
 def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
-from solver.face.punches import punch_datum, punch_of
+from solver.face.materials import punch_datum, punch_of
 from solver.line.electrodecharge import electrode_quantities
 from solver.line.fields import fields, interior_fields
 from solver.line.quantities import curves, peaks, quantities

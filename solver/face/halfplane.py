@@ -7,8 +7,7 @@ import numpy as np
 from solver.arrays import Array, BoolArray
 from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.materials import half_plane_of, material_of
-from solver.face.punches import punch_datum, punch_of
+from solver.face.materials import half_plane_of, material_of, punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.halfplane.contact import Contact
 from solver.halfplane.fields import Separable, surface_fields

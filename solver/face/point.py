@@ -12,8 +12,7 @@ from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
-from solver.face.materials import half_plane_of
-from solver.face.punches import punch_of
+from solver.face.materials import half_plane_of, punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.fields import POINT_NEED_C12, POINT_SINGULAR
 from solver.halfplane.interior import POTENTIALS
@@ -79,6 +78,7 @@ class OnPoints(Body):
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
         """Requested peaks of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that every case has; (...)."""
         self._require_c12("largest stresses under a point need")
+        self._refuse_electroded("fields")
         return self._of_parts(lambda pressed, places: self._peaks(pressed, places, requested), self._apart())
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
@@ -109,6 +109,7 @@ class OnPoints(Body):
         return {name: inside[SURFACE[name]][..., 0, :] for name in names}
 
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
+        self._refuse_electroded("fields")
         return self._of_parts(
             lambda pressed, places: dict(
                 zip(names, np.moveaxis(self._fields(pressed, places, x, y, names), 1, 0), strict=True)
@@ -118,11 +119,11 @@ class OnPoints(Body):
 
     # -- overridden for contacts in air --------------------------------------------------------------------------------
     def _peaks(self, pressed: Pressed, places: Indices, requested: Set[str]) -> dict[str, Array]:
-        return peaks(pressed, self._within(places, pressed), requested)
+        return peaks(pressed, self._inside(places, pressed), requested)
 
     def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""
-        values = self._within(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
+        values = self._inside(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
         potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
         values[:, potentials] *= pressed.length[:, None, None, None]
         return values
@@ -130,10 +131,6 @@ class OnPoints(Body):
     def _apart(self) -> list[tuple[Indices, Pressed]]:
         """Cases of one body each, lengths not shared."""
         return self._parts
-
-    def _within(self, places: Indices, pressed: Pressed) -> Inside:
-        """The body whose fields are solved."""
-        return self._inside(places, pressed)
 
     @abstractmethod
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
@@ -325,10 +322,6 @@ class OnPointFilm(OnPoints):
         stack = next(_stack(pressed) for part, pressed in self._parts if part is places)
         is_known = self._lacks_c12 is None and not stack.electroded
         return Rim.of(stack.media[0].halfplane) if is_known else None
-
-    def _within(self, places: Indices, pressed: Pressed) -> Inside:
-        self._refuse_electroded("fields")
-        return self._inside(places, pressed)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         return Inside(_stack(pressed))

@@ -18,8 +18,7 @@ from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.filmfactors import absent
-from solver.face.materials import material_of
-from solver.face.punches import elasticity_of
+from solver.face.materials import elasticity_of, material_of
 from solver.face.refusal import CaseError, FactorError
 from solver.face.rows import Factors
 from solver.halfplane.precision import PrecisionWarning

@@ -149,8 +149,8 @@ class AirContacts:
         far = np.broadcast_to(contact.far, (contact.load.size, 3, 3))
         X = operators.grid.distance
         frame = Frame(
-            self.table.solving, SOLVING, fields, np.concatenate([X, -X])[: operators.density_nodes], operators.sides,
-            _EXTENT, 1, "load", "(x - c)/h",
+            self.table.outputs.solving, SOLVING, fields, np.concatenate([X, -X])[: operators.density_nodes],
+            operators.sides, _EXTENT, 1, "load", "(x - c)/h",
         )  # fmt: skip
         return LineStates(frame, unknowns, held, self.table, contact.loading, far, np.stack(media, 1))
 

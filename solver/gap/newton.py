@@ -13,7 +13,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Generic, Self, TypeVar
+from typing import Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +97,19 @@ class Outputs:
     def _series(self) -> Array:
         assert self.interval is not None
         return self.interval.taylor(_TERMS)
+
+
+class SplitOutputs(NamedTuple):
+    """Outputs that the equations of a table's contacts need, and the others."""
+
+    solving: Outputs
+    others: Outputs
+
+    @classmethod
+    def of(cls, values: Array, solving: BoolArray, interval: Interval | None, *, clipped: bool = False) -> Self:
+        """Split values (point, row, column) by their rows, (row,)."""
+        parts = (np.ascontiguousarray(values[:, rows]) for rows in (solving, ~solving))
+        return cls(*(Outputs(part, interval, clipped) for part in parts))
 
 
 @dataclass(frozen=True, eq=False)

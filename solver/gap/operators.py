@@ -15,7 +15,7 @@ from approximation.chebyshev import gauss_points, interpolation
 from solver.arrays import Array
 from solver.gap.densities import enough, far, sampled
 from solver.gap.grid import CLOSE, GROWING, LEVEL, Grid, gauss
-from solver.gap.newton import Outputs
+from solver.gap.newton import SplitOutputs
 from solver.gap.refusal import GapError
 from solver.line import outputs
 from solver.line.basis import Basis
@@ -347,8 +347,8 @@ class AirTable:
         return Operators(system, grid_of(system, self.table.lower, self.table.upper, self.farthest), even)
 
     @cached_property
-    def _parts(self) -> tuple[Outputs, Outputs]:
-        """Outputs at the half-lengths: rows that the equations need, and the others."""
+    def outputs(self) -> SplitOutputs:
+        """Outputs at the half-lengths; others: edge stresses, pressures over their weight, densities by field."""
         operators = self.operators
         size = (
             8.0
@@ -364,20 +364,7 @@ class AirTable:
         values, interval = operators.matrices(self.table.half_lengths), self.table.interval
         solving = np.zeros(operators.rows, dtype=bool)
         solving[:SOLVING] = solving[FIRST : operators.rows - ANGLES.size * len(operators.system.fields)] = True
-        return (
-            Outputs(np.ascontiguousarray(values[:, solving]), interval, self.clipped),
-            Outputs(np.ascontiguousarray(values[:, ~solving]), interval, self.clipped),
-        )
-
-    @property
-    def solving(self) -> Outputs:
-        """Rows that the equations need."""
-        return self._parts[0]
-
-    @property
-    def others(self) -> Outputs:
-        """Edge stresses, pressures over their weight, densities at ``ANGLES`` by field."""
-        return self._parts[1]
+        return SplitOutputs.of(values, solving, interval, clipped=self.clipped)
 
     @cached_property
     def powers(self) -> Array:

@@ -123,9 +123,8 @@ class AirPoints:
         if charges is not None:
             prescribed = charges[places][:, fields] * of_fields / length[:, None] ** 2
         rows = table.exact.rows
-        frame = Frame(
-            table.exterior, rows.raised, table.exact.fields, table.exact.rings.grid.distance, 1, 1, 2, "force", "r/a"
-        )
+        outputs, distance = table.outputs.solving, table.exact.rings.grid.distance
+        frame = Frame(outputs, rows.raised, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
         return PointStates(
             frame, unknowns, (charges is None,) * len(fields), table,
             self.pressed.coefficient[places] / units[:, 0] * length ** (e - 1),
@@ -200,7 +199,7 @@ class AirPoints:
         states, units, length = result.states, self._units(places, result.states), self.length[places]
         port, displacement = Stiffness.of(self._compliance(places, result)), states.response.values * units
         size, bounded = states.size / states.radius, finite(states.operators.shape)
-        inside = states.table.inside.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+        inside = states.table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
         slid = [self.slid(*pair) for pair in _solutions(places, states)]
         sliding = [solution for solution in slid if solution is not None]
         out = {

@@ -15,7 +15,6 @@ from solver.arrays import Array, BoolArray
 from solver.gap.airpoint import PointSolution
 from solver.gap.charges import Charges, Spectrum, from_smaller
 from solver.gap.ringoperators import RingOperators
-from solver.gap.rings import Rings
 from solver.point import hankel
 from solver.point.profile import halfspace_form
 from solver.point.system import added_forms
@@ -104,33 +103,16 @@ class SolvedPoint:
         """Operators at any radius."""
         return self.state.operators
 
-    @property
-    def unit(self) -> float:
-        """Unit of the tractions, C a^(e-1)."""
-        return self.state.unit
-
-    @property
-    def _rings(self) -> Rings:
-        return self.operators.rings
-
-    @property
-    def _channels(self) -> list[int]:
-        return self.operators.rows.channels
-
     @cached_property
     def _series(self) -> Array:
         """Coefficients of all but the profile's closed part; (channel, n)."""
         return np.asarray(self.operators.series(self.state.radius) @ self.state.columns)
 
-    @property
-    def _form(self) -> Array:
-        """Sizes of the profile's closed part; (channel,)."""
-        return np.asarray(-2 / np.pi * self.operators.inverse[:, 0])
-
     @cached_property
     def density(self) -> Density:
         """Below the punch, over C a^(e-1)."""
-        form, series = self._of_channels(self._form)[None], self._of_channels(self._series)[None]
+        form = self._of_channels(-2 / np.pi * self.operators.inverse[:, 0])[None]
+        series = self._of_channels(self._series)[None]
         strengths = series @ (-1.0) ** np.arange(series.shape[2])
         return Density(self.operators.shape, strengths, form, series)
 
@@ -139,11 +121,12 @@ class SolvedPoint:
 
         turned: (field, n), densities of cos(angle) over C a^(e-1) and their size; None: none.
         """
-        grid, density = self._rings.grid, self.density.times(np.full(3, self.unit))
-        S = self.state.over_size @ self._rings.gathered.T
-        odd = np.zeros_like(S) if turned is None else turned @ self._rings.turned.gathered.T
+        rings, unit = self.operators.rings, self.state.unit
+        grid, density = rings.grid, self.density.times(np.full(3, unit))
+        S = self.state.over_size @ rings.gathered.T
+        odd = np.zeros_like(S) if turned is None else turned @ rings.turned.gathered.T
         sides = np.zeros((2, 2, grid.count))
-        sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (self.unit / np.pi)
+        sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (unit / np.pi)
         return AirPointTractions(np.array([ratio]), density, np.zeros(1), exterior_charges=Charges(grid, sides))
 
     def surface_tractions(self, r: Array) -> Array:
@@ -153,10 +136,10 @@ class SolvedPoint:
         inner = distance[within]
         result = np.zeros((3, r.size))
         x = np.sqrt((1 - inner) * (1 + inner))
-        result[:, within] = self.bounded(inner, self._rings.poisson(x)) + self.left[:, None] / x
+        result[:, within] = self.bounded(inner, self.operators.rings.poisson(x)) + self.left[:, None] / x
         for field_, over_size in zip(self.operators.rows.fields, self.state.over_size, strict=True):
-            result[1 + field_, ~within] = self._rings.read(distance[~within]) @ over_size
-        return result * self.unit
+            result[1 + field_, ~within] = self.operators.rings.read(distance[~within]) @ over_size
+        return result * self.state.unit
 
     def bounded(self, r: Array, drawn: Array) -> Array:
         """Tractions below the contact over C a^(e-1), without their singular part at the edge; (3, place).
@@ -165,7 +148,7 @@ class SolvedPoint:
         """
         x = np.sqrt((1 - r) * (1 + r))
         result = self._series @ added_forms(x, self._series.shape[1]).T
-        result += self._form[:, None] * halfspace_form(self.operators.shape, x, r)
+        result -= 2 / np.pi * self.operators.inverse[:, :1] * halfspace_form(self.operators.shape, x, r)
         result[1:] += self.state.over_size @ drawn.T
         return self._of_channels(result)
 
@@ -174,11 +157,11 @@ class SolvedPoint:
         """Strengths at the edge, over C a^(e-1): none but of the emptiest gaps; (3,)."""
         result = self._series @ (-1.0) ** np.arange(self._series.shape[1])
         result[0] = 0.0
-        result[1:] -= 2 / np.pi * self.state.over_size @ self._rings.at_edge
+        result[1:] -= 2 / np.pi * self.state.over_size @ self.operators.rings.at_edge
         return self._of_channels(result)
 
     def _of_channels(self, values: Array) -> Array:
         """Values of the channels among those of (y, phi, psi), others 0."""
         result = np.zeros((3, *values.shape[1:]))
-        result[self._channels] = values
+        result[self.operators.rows.channels] = values
         return result

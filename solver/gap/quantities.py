@@ -106,7 +106,7 @@ def _of_uncharged(contacts: AirContacts) -> dict[str, Array]:
 def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
     result, h, scale = contacts.solved, films.thickness, contacts.contact.scale
     states, table = result.states, contacts.table
-    others = table.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+    others = table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
     half, centre, exponent = h * states.half, states.centre, contacts.contact.exponent
     edges, pressures, within = np.split(others, [2, 2 + SAMPLES.size], 1)
     out = {

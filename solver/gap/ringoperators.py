@@ -22,7 +22,7 @@ from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
 from solver.gap.grid import gauss
-from solver.gap.newton import Outputs
+from solver.gap.newton import SplitOutputs
 from solver.gap.rings import Rings, rings
 from solver.line.kernel import CHANNEL
 from solver.line.windows import number_of
@@ -370,24 +370,11 @@ class RingTable:
     interval: Interval | None = None
 
     @cached_property
-    def _parts(self) -> tuple[Outputs, Outputs]:
+    def outputs(self) -> SplitOutputs:
+        """Rows up to the pressures, and those below the contact, from the pressures on."""
         log_radii = np.zeros(1) if self.interval is None else self.interval.points
         result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
-        split = self.exact.rows.pressure.start
-        return (
-            Outputs(np.ascontiguousarray(result[:, :split]), self.interval),
-            Outputs(np.ascontiguousarray(result[:, split:]), self.interval),
-        )
-
-    @property
-    def exterior(self) -> Outputs:
-        """Rows up to the pressures."""
-        return self._parts[0]
-
-    @property
-    def inside(self) -> Outputs:
-        """Rows below the contact, from the pressures on."""
-        return self._parts[1]
+        return SplitOutputs.of(result, np.arange(self.exact.rows.count) < self.exact.rows.pressure.start, self.interval)
 
     def holds(self, log_radii: Array) -> BoolArray:
         """Return True for radii between the ends."""

@@ -177,18 +177,13 @@ class SlidingPoint:
         """Rings of the part that varies as cos(angle)."""
         return self._operators.rings.turned
 
-    @property
-    def pressed(self) -> Density:
-        """Density below the contact at rest, over C a^(e-1)."""
-        return self.at_rest.density
-
     @cached_property
     def _columns(self) -> RingHarmonic:
         return RingHarmonic(replace(self._operators, rings=self.rings), self.response, self.sheared)
 
     @cached_property
     def _turned(self) -> HarmonicOutputs:
-        return self._columns.outputs(self._state.radius, self.pressed)
+        return self._columns.outputs(self._state.radius, self.at_rest.density)
 
     @cached_property
     def _weights(self) -> Array:
@@ -248,7 +243,7 @@ class SlidingPoint:
         """
         N, channels, (_, turned) = self._operators.compliance, self._carried, self.exterior_densities
         at_rest = self._state.densities / self._state.thinned
-        yielding = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self._state.media
+        yielding = -self._state.unit * N[0, channels] / N[channels, channels] / self._state.media
         return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
     # -- tractions -----------------------------------------------------------------------------------------------------
@@ -264,7 +259,7 @@ class SlidingPoint:
 
     def sines(self, b: Array) -> Array:
         """psi over C a^(e-1) below the contact at b (b,) from 0 to 1; (3, b)."""
-        closed = self.response.closed(self.friction * self.pressed.turned(b)[0, 0], b, np.array(self.shift))
+        closed = self.response.closed(self.friction * self.at_rest.density.turned(b)[0, 0], b, np.array(self.shift))
         return np.asarray(closed + self.series @ legendre(b, self.series.shape[1]).T)
 
     def tractions(self, ratio: float) -> AirPointTractions:
@@ -273,7 +268,7 @@ class SlidingPoint:
             return self.at_rest.tractions(ratio)
 
         def sines(b: Array, columns: Indices) -> Array:
-            return self.at_rest.unit * np.broadcast_to(self.sines(b), (columns.size, 3, b.size))
+            return self._state.unit * np.broadcast_to(self.sines(b), (columns.size, 3, b.size))
 
         at_rest = self.at_rest.tractions(ratio, self.over_size)
         return replace(at_rest, friction=np.array([self.friction]), sines=sines)
@@ -285,8 +280,9 @@ class SlidingPoint:
         Without what is singular at the edge.
         """
         shape, channel = self._operators.shape, 0 if field is None else 1 + field
-        ray, shift, pressed = ray_of(shape), np.array([self.shift]), self.pressed.times(np.full(3, self.friction))
-        turned = turned_pressures(self.response, pressed, shift, self.series[None, channel], channel)[0]
+        ray, rubbed = ray_of(shape), self.at_rest.density.times(np.full(3, self.friction))
+        shift, series = np.array([self.shift]), self.series[None, channel]
+        turned = turned_pressures(self.response, rubbed, shift, series, channel)[0]
         at_rest = self.at_rest.bounded(ray.r, _drawn(self.at_rest.operators.rings, shape))[channel]
         if field is None:
             return np.stack([-at_rest, turned])
@@ -303,7 +299,7 @@ class SlidingPoint:
         reach = self._state.radius / self._operators.width
         rule = hankel.nodes(parts=4 + int(_PARTS * reach), kinked=True)
         far, share = self.rings.rule
-        within = np.concatenate([self.pressed.at(rule.b)[0], self.sines(rule.b)])
+        within = np.concatenate([self.at_rest.density.at(rule.b)[0], self.sines(rule.b)])
         exterior = np.zeros((2, 3, far.size))
         at_rest, turned = (self.at_rest.operators.rings, self._state.over_size), (self.rings, self.over_size)
         for number, (panels, densities) in enumerate((at_rest, turned)):
@@ -316,7 +312,7 @@ class SlidingPoint:
     def moments(self) -> Array:
         """int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
         rule = hankel.nodes(kinked=True)
-        result = (self.pressed.at(rule.b)[0] + 2 * rule.b * self.sines(rule.b)) @ rule.weights
+        result = (self.at_rest.density.at(rule.b)[0] + 2 * rule.b * self.sines(rule.b)) @ rule.weights
         result[self._carried] += self._state.over_size @ _held(self.at_rest.operators.rings)
         result[self._carried] += self.over_size @ _held(self.rings)
         return np.asarray(result)
@@ -382,13 +378,13 @@ def largest_beside(states: PointStates, slid: Sequence[SlidingPoint | None], pla
 
 def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
     """sigma_xx [Pa] just outside the trailing edge, with the surface's charges; units (3,) are those of the body."""
-    unit = slid.at_rest.unit / units
-    first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.pressed))
+    unit = slid.at_rest.state.unit / units
+    first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.at_rest.density))
     result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
     if isinstance(body, Film):
         b, plain, turned = slid.weighted
         added = added_tension(body.kind.film.stack(), rim, slid.at_rest.state.radius, b, plain, turned)
-        result = result + slid.at_rest.unit * added
+        result = result + slid.at_rest.state.unit * added
     return float(result)
 
 

@@ -100,42 +100,18 @@ class Response:
         """g(a) - u_y(a): approach of the punch, at its origin, relative to the datum [m]."""
         return self.contact.pressing.rise - self._displacement(0)
 
-    @cached_property
-    def _depth_tangent(self) -> Array:
-        """d depth / dP at fixed charges [m2/N]."""
-        c = self.contact
-        return c.pressing.rise_rate / c.load - self._charged_tangent(0)
+    def responses(self, field: int) -> tuple[Array, ...]:
+        """Values of a field in the order of ``RESPONSES``, relative to the datum, SI; (...) each.
 
-    def potential(self, field: int) -> Array:
-        """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch relative to the datum."""
-        return self._displacement(1 + field)
-
-    def sensitivity(self, field: int) -> Array:
-        """d potential / d load without charges [V m/N, A m/N]."""
-        return self._load_tangents[1 + field]
-
-    def short_circuit(self, field: int) -> Array:
-        """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
-        N = self.contact.sliding.compliance
-        return -np.pi * self._load_parts[1 + field] / (N[..., 1 + field, 1 + field] * self.log_width)
-
-    def two_port(self, field: int) -> Compliance:
-        """Compliance of a field; its derivatives in the charge lack log_width/pi, on which no ratio of them depends."""
-        N = self.contact.sliding.compliance
-        return Compliance(
-            self._depth_tangent,
-            -N[..., 0, 1 + field],
-            self._charged_tangent(1 + field),
-            N[..., 1 + field, 1 + field],
-        )
-
-    def stroke(self, field: int) -> Array:
-        """Depth per potential at fixed load and other charge [m/V, m/A]; a constant of the material."""
-        return self.two_port(field).stroke
-
-    def blocked_load(self, field: int) -> Array:
-        """Load per potential at fixed depth and other charge [N/(m V), N/(m A)]."""
-        return self.two_port(field).blocked_force
+        They are the punch's potential, its change per load without charges, the charge per load that makes it 0, the
+        other charge 0, and depth and load per potential at the other charge, at fixed load and at fixed depth.
+        """
+        c, N, j = self.contact, self.contact.sliding.compliance, 1 + field
+        depth_tangent = c.pressing.rise_rate / c.load - self._charged_tangent(0)
+        # its derivatives in the charge lack log_width/pi, on which no ratio of them depends
+        port = Compliance(depth_tangent, -N[..., 0, j], self._charged_tangent(j), N[..., j, j])
+        per_load = -np.pi * self._load_parts[j] / (N[..., j, j] * self.log_width)
+        return self._displacement(j), self._load_tangents[j], per_load, port.stroke, port.blocked_force
 
 
 def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None) -> dict[str, Array]:
@@ -155,10 +131,9 @@ def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None)
     if all(smooth):
         out["peak_pressure"] = contact.peak_pressure
     out |= at_edges(smooth, contact.edge_stress, contact.edge_intensity)
-    answers = response.potential, response.sensitivity, response.short_circuit, response.stroke, response.blocked_load
     for field, names in enumerate(RESPONSES):
         if contact.sliding.conducts[..., field].all():
-            out |= {name: answer(field) for name, answer in zip(names, answers, strict=False)}
+            out |= dict(zip(names, response.responses(field), strict=False))
     return out
 
 

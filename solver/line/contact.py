@@ -236,15 +236,6 @@ class FilmContact:
         profile, charges = self.profile.part(places, size), self.charges[places]
         return FilmContact(self.table, profile, self.load[places], charges, chosen(self.datum), punch_datum)
 
-    def potential(self, field: int) -> Array:
-        """Electric [V] (field 0) or magnetic [A] (field 1) potential of the punch."""
-        return self.response[:, 1 + field]
-
-    @property
-    def depth(self) -> Array:
-        """Approach of the punch, at its origin [m]."""
-        return self.response[:, 0]
-
 
 def _sum(read: Array, causes: Array) -> Array:
     return np.asarray(np.einsum("coq,cq->co", read, causes))

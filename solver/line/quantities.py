@@ -39,7 +39,7 @@ def quantities(films: Films) -> dict[str, Array]:
         "contact_leading": h * gather(lambda c: c.leading),
         "contact_offset": h * gather(lambda c: c.offset),
         "pressure_exponent": gather(lambda c: np.full(c.load.shape, c.exponent)),
-        "depth": h * gather(lambda c: c.depth),
+        "depth": h * gather(lambda c: c.response[:, 0]),
     }
     smooth = films.kind.smooth
     if all(smooth):
@@ -73,7 +73,7 @@ def _responses(films: Films, field: int) -> dict[str, Array]:
     port = Compliance.of(films.gather(lambda c: c.tangents), field)
     uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
     values = (
-        films.thickness * films.gather(lambda c: c.potential(field)),
+        films.thickness * films.gather(lambda c: c.response[:, j]),
         uncharged.gather(lambda c: c.tangents[:, j, 0]),
         _short_circuit(uncharged, field),
         port.stroke,
@@ -87,7 +87,7 @@ def _short_circuit(uncharged: Films, field: int) -> Array:
     """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
     j, state = 1 + field, uncharged
     for _ in range(_SHORT_STEPS):
-        potential = state.thickness * state.gather(lambda c: c.potential(field))
+        potential = state.thickness * state.gather(lambda c: c.response[:, j])
         step = potential / state.gather(lambda c: c.tangents[:, j, j])
         charges = np.array(state.charges)
         charges[:, field] -= step

@@ -9,7 +9,7 @@ from weakref import WeakSet
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array, BoolArray, is_finite, unmasked
+from solver.arrays import Array, BoolArray, is_finite, stack, unmasked
 from solver.material.cuts import canonical, generalised_stiffness
 from solver.material.datasheet import ENTRIES, converted, meant
 from solver.material.evidence import SECTIONS, Alternative, Sourced, read_alternatives, read_sourced, with_unit
@@ -499,9 +499,5 @@ def combined(change: Callable[..., Array], materials: Iterable[Material], name: 
 
 def _matrix(rows: list[list[Array]]) -> Array:
     """Stack entries that broadcast against each other into (..., n, m)."""
-    shape = np.broadcast_shapes(*(entry.shape for row in rows for entry in row))
-    matrix = np.empty((*shape, len(rows), len(rows[0])))
-    for i, row in enumerate(rows):
-        for j, entry in enumerate(row):
-            matrix[..., i, j] = entry
-    return matrix
+    flat = stack(*(entry for row in rows for entry in row))
+    return flat.reshape(*flat.shape[:-1], len(rows), len(rows[0]))

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from solver.arrays import Array, is_finite, shown
+from solver.material.datasheet import piezo, transverse
 from solver.names import ANGLED_CUTS
 
 ALLOWED = (
@@ -87,15 +88,10 @@ def generalised_stiffness(constants: Mapping[str, float], cut: str) -> Array:
 
 def _matrices(v: Mapping[str, float]) -> tuple[Array, ...]:
     """c (6, 6), e and f (3, 6), eps, g and mu (3, 3) in the crystal's axes, of the trigonal classes 3m and 32 too."""
-    c = np.diag([v["c11"], v["c11"], v["c33"], v["c44"], v["c44"], (v["c11"] - v["c12"]) / 2])
-    for (i, j), value in {
-        (0, 1): v["c12"], (0, 2): v["c13"], (1, 2): v["c13"], (0, 3): v["c14"], (1, 3): -v["c14"], (4, 5): v["c14"],
-    }.items():  # fmt: skip
+    c = transverse(*(v[name] for name in ("c11", "c12", "c13", "c33", "c44")), stiffness=True)
+    for (i, j), value in {(0, 3): v["c14"], (1, 3): -v["c14"], (4, 5): v["c14"]}.items():
         c[i, j] = c[j, i] = value
-    e, f = np.zeros((3, 6)), np.zeros((3, 6))
-    for matrix, letter in ((e, "e"), (f, "f")):
-        matrix[2, :3] = v[f"{letter}31"], v[f"{letter}31"], v[f"{letter}33"]
-        matrix[0, 4] = matrix[1, 3] = v[f"{letter}15"]
+    e, f = (piezo(v[f"{letter}31"], v[f"{letter}33"], v[f"{letter}15"]) for letter in "ef")
     e[0, [0, 1, 3, 5]] += v["e11"], -v["e11"], v["e14"], -v["e22"]
     e[1, [0, 1, 4, 5]] += -v["e22"], v["e22"], -v["e14"], -v["e11"]
     fields = (np.diag([v[f"{name}11"], v[f"{name}11"], v[f"{name}33"]]) for name in ("eps", "g", "mu"))

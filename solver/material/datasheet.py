@@ -121,8 +121,8 @@ def converted(mapping: Mapping[str, object]) -> dict[str, object]:
 
 def stress_matrices(values: Mapping[str, float]) -> tuple[Array, Array, Array]:
     """Return c (6, 6) [Pa], e (3, 6) [C/m2] and eps (3, 3) [F/m] of a material's constants by name."""
-    c = _transverse(*(values[name] for name in ("c11", "c12", "c13", "c33", "c44")), stiffness=True)
-    e = _piezo(values["e31"], values["e33"], values["e15"])
+    c = transverse(*(values[name] for name in ("c11", "c12", "c13", "c33", "c44")), stiffness=True)
+    e = piezo(values["e31"], values["e33"], values["e15"])
     return c, e, np.diag([values["eps11"], values["eps11"], values["eps33"]])
 
 
@@ -183,11 +183,11 @@ def _stiffness(values: Mapping[str, float]) -> Array:
         if young <= 0:
             raise ValueError(f"E: {young:g} Pa: must be positive")
         off = -poisson / young
-        return np.asarray(np.linalg.inv(_transverse(1 / young, off, off, 1 / young, 2 * (1 + poisson) / young)))
+        return np.asarray(np.linalg.inv(transverse(1 / young, off, off, 1 / young, 2 * (1 + poisson) / young)))
     if any(name in values for name in ("s11", "s33", "s44")):
         s12 = _transverse_entry(values, "s", lambda s11, s66: s11 - s66 / 2)
         _all_of({**values, "s12": s12}, ("s11", "s12", "s13", "s33", "s44"))
-        s = _transverse(values["s11"], s12, values["s13"], values["s33"], values["s44"])
+        s = transverse(values["s11"], s12, values["s13"], values["s33"], values["s44"])
         if np.linalg.eigvalsh(s)[0] <= 0:
             raise ValueError(
                 f"s11, s12, s13, s33 = {values['s11']:g}, {s12:g}, {values['s13']:g}, {values['s33']:g} Pa-1: "
@@ -196,7 +196,7 @@ def _stiffness(values: Mapping[str, float]) -> Array:
         return np.asarray(np.linalg.inv(s))
     _all_of(values, ("c11", "c13", "c33", "c44"))
     c12 = _transverse_entry(values, "c", lambda c11, c66: c11 - 2 * c66) if {"c12", "c66"} & values.keys() else np.nan
-    return _transverse(values["c11"], c12, values["c13"], values["c33"], values["c44"], stiffness=True)
+    return transverse(values["c11"], c12, values["c13"], values["c33"], values["c44"], stiffness=True)
 
 
 def _transverse_entry(values: Mapping[str, float], letter: str, rule: Any) -> float:
@@ -215,7 +215,7 @@ def _transverse_entry(values: Mapping[str, float], letter: str, rule: Any) -> fl
     return derived if stated is None else stated
 
 
-def _transverse(a11: float, a12: float, a13: float, a33: float, a44: float, *, stiffness: bool = False) -> Array:
+def transverse(a11: float, a12: float, a13: float, a33: float, a44: float, *, stiffness: bool = False) -> Array:
     """6 x 6 matrix of a transversely isotropic body; entry 66 is (a11 - a12)/2 of a stiffness, 2 (a11 - a12) else."""
     a66 = (a11 - a12) / 2 if stiffness else 2 * (a11 - a12)
     matrix = np.diag([a11, a11, a33, a44, a44, a66])
@@ -224,7 +224,7 @@ def _transverse(a11: float, a12: float, a13: float, a33: float, a44: float, *, s
     return matrix
 
 
-def _piezo(a31: float, a33: float, a15: float) -> Array:
+def piezo(a31: float, a33: float, a15: float) -> Array:
     """3 x 6 matrix of a transversely isotropic body."""
     matrix = np.zeros((3, 6))
     matrix[2, :3], matrix[0, 4], matrix[1, 3] = (a31, a31, a33), a15, a15
@@ -234,7 +234,7 @@ def _piezo(a31: float, a33: float, a15: float) -> Array:
 def _coupling(values: Mapping[str, float], c: Array, free: Mapping[str, float]) -> Array:
     """Piezoelectric stress constants e, (3, 6), from e, from d, or from coupling factors."""
     if any(name in values for name in ("e31", "e33", "e15")):
-        return _piezo(*(values.get(name, 0.0) for name in ("e31", "e33", "e15")))
+        return piezo(*(values.get(name, 0.0) for name in ("e31", "e33", "e15")))
     compliance = {"31": (0, "33", -1.0), "33": (2, "33", 1.0), "15": (3, "11", 1.0)}
     d: dict[str, float] = {}
     known = bool(np.isfinite(c).all())
@@ -263,7 +263,7 @@ def _coupling(values: Mapping[str, float], c: Array, free: Mapping[str, float]) 
     if not d.keys() >= {"31", "33"}:
         missing = ({"31", "33"} - d.keys()).pop()
         raise ValueError(f"d{missing}: missing; needed beside the other charge constants")
-    return np.asarray(_piezo(*(d.get(axes, 0.0) for axes in ("31", "33", "15"))) @ c)
+    return np.asarray(piezo(*(d.get(axes, 0.0) for axes in ("31", "33", "15"))) @ c)
 
 
 def _all_of(values: Mapping[str, float], names: tuple[str, ...]) -> None:
@@ -344,11 +344,11 @@ def _check_symmetry(name: str, matrix: Array, singles: Mapping[str, float], turn
     """Refuse a matrix without isotropy about axis 3, by the entry that differs most."""
     values = list(singles.values())
     if name in "cs":
-        whole = _transverse(*values, stiffness=name == "c")
+        whole = transverse(*values, stiffness=name == "c")
     elif name == "eps":
         whole = np.diag([values[0], values[0], values[1]])
     else:
-        whole = _piezo(*values)
+        whole = piezo(*values)
     largest = np.max(np.abs(whole))
     allowed = _ROUNDED * np.abs(whole) + _FLOOR * largest
     if name in "cs":

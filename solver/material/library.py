@@ -25,17 +25,6 @@ def materials() -> Mapping[str, Material]:
     return MappingProxyType({name: Material.from_mapping({"name": name, **entry}) for name, entry in table.items()})
 
 
-@cache
-def published() -> Mapping[str, Mapping[str, float]]:
-    """BaTiO3-CoFe2O4 as published, constants by volume fraction of BaTiO3: to compare with, not admissible.
-
-    Up to 0.8 they carry the wrong sign of CoFe2O4's mu11; sources stand in ``solver/material/published.toml``,
-    and the repaired materials among :func:`materials` under ``BaTiO3-CoFe2O4 <fraction>``.
-    """
-    table = tomllib.loads(files("solver.material").joinpath("published.toml").read_text(encoding="utf-8"))
-    return MappingProxyType({fraction: MappingProxyType(entry) for fraction, entry in table.items()})
-
-
 def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
     """The material of a name.
 

@@ -129,29 +129,13 @@ def _of_halfspace(shape: Shape) -> Array:
     return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
 
 
-@dataclass(frozen=True, eq=False)
-class TurnedWindow:
-    """Pressures that friction adds over half a decade of radii."""
-
-    window: SlidingWindow
-
-    @cached_property
-    def _series(self) -> Array:
-        """Chebyshev coefficients of p1 per (V, Psi, g) and eta; (node, 3, place)."""
-        pressures = [
-            turned_pressures(self.window.response, causes, shift, series[:, 0])
-            for causes, shift, series in self.window.solutions
-        ]
-        return coefficients(np.array(pressures))
-
-    def read(self, log_radius: Array, causes: Array) -> Array:
-        """Pressures p1 per eta of causes (V, Psi, g), (case, 3), at log (a/h); (case, place)."""
-        return self.window.window.interval.read(log_radius, np.swapaxes(self._series, 1, 2), causes)
-
-
 @cached
-def _turned_window(window: SlidingWindow) -> TurnedWindow:
-    return TurnedWindow(window)
+def _turned_series(window: SlidingWindow) -> Array:
+    """Chebyshev coefficients over a window of the pressures p1 per (V, Psi, g) and eta; (node, place, 3)."""
+    pressures = [
+        turned_pressures(window.response, causes, shift, series[:, 0]) for causes, shift, series in window.solutions
+    ]
+    return coefficients(np.swapaxes(np.array(pressures), 1, 2))
 
 
 def largest_pressure(contact: PointContact, friction: Friction) -> Array:
@@ -183,6 +167,6 @@ def _pressures(contact: PointContact, friction: Friction, cases: Indices) -> tup
     for places, window, log_ratio in body.part(cases).windows(contact.radius[cases]):
         causes = contact.state.causes[cases[places]]
         middle[places] -= window.tractions(log_ratio, causes)[:, 0] @ window.terms.forms(ray.x).T
-        turned_window = _turned_window(sliding_window(window.kind, window.number, friction.punch))
-        turned[places] = turned_window.read(log_ratio, causes[:, 1:])
+        series = _turned_series(sliding_window(window.kind, window.number, friction.punch))
+        turned[places] = window.interval.read(log_ratio, series, causes[:, 1:])
     return middle, eta * turned

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from approximation import chebyshev
-from approximation.arrays import Array, Indices
+from approximation.arrays import Array
 
 # Mean features drop contributions of the kernel's tail below rounding.
 NEGLIGIBLE = 1e-17
@@ -97,7 +97,7 @@ class Factor:
         """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
         T = chebyshev.polynomials(t, len(self.decay))
         S = chebyshev.slopes(t, T)
-        n, rows = self.levels, self._damped(modes)
+        n, rows = self.levels, np.arange(self._first_damped, max(modes, self._first_damped))
         mean, prior = S[:modes].copy(), self.decay @ S**2
         if self.affine:
             return Features(mean, prior, np.zeros_like(t))
@@ -112,9 +112,6 @@ class Factor:
         mean = T[:modes].copy()
         mean[first:] -= (2 * self.damping[first:modes, None] * T[n]) * T[n - first : n - modes : -1]
         return mean
-
-    def _damped(self, modes: int) -> Indices:
-        return np.arange(self._first_damped, max(modes, self._first_damped))
 
 
 def cosine_basis(n: int) -> tuple[Array, Array]:

@@ -49,8 +49,8 @@ class Copula:
         ranks = _ranks(scores[:, rows])
         sample = _evenly(scores.shape[1], _CASES)
         finite = np.isfinite(scores).all(axis=1)
-        normal = _normal(_ranks(scores[finite][:, sample]))
-        return cls(ranks, _lengths(normal, _angles(t[:, sample])))
+        shares = (_ranks(scores[finite][:, sample]) + 0.5) / len(sample)
+        return cls(ranks, _lengths(np.asarray(scipy.special.ndtri(shares)), _angles(t[:, sample])))
 
     def near(self, t: Array, other: Array) -> Array:
         """Return the correlation over points of one error, (n, k).
@@ -91,11 +91,6 @@ def _evenly(cases: int, most: int) -> Indices:
 def _ranks(scores: Array) -> Indices:
     """Ranks of scores (p, n) among those of their output, (n, p)."""
     return np.argsort(np.argsort(scores, axis=1, kind="stable"), axis=1, kind="stable").T
-
-
-def _normal(ranks: Indices) -> Array:
-    """Normal scores of ranks, (n, p)."""
-    return np.asarray(scipy.special.ndtri((ranks + 0.5) / len(ranks)))
 
 
 def _angles(t: Array) -> Array:

@@ -36,8 +36,6 @@ class LevelChoice:
     """Level counts and the evidence for them."""
 
     counts: dict[str, int]  # Levels of every input, in order; an affine input has 2
-    cases: int  # Their product
-    tolerance: float  # What was asked for, over the range of every output
     # Predicted error over range of every output at these counts; NaN for a kinked one, for which nothing is claimed
     error: dict[str, float]
     affine: tuple[str, ...]  # Inputs in which every output is affine
@@ -70,19 +68,14 @@ def largest(values: Array, axis: int) -> Array:
     return np.asarray(np.abs(along).reshape(values.shape[axis], -1, values.shape[-1]).max(axis=1))
 
 
-def _kinks(judged: Decays) -> dict[str, tuple[str, ...]]:
-    """Return outputs whose coefficients do not decay geometrically, and the inputs along which."""
-    kinked = {output: tuple(name for name in along if along[name].algebraic) for output, along in judged.items()}
-    return {output: where for output, where in kinked.items() if where}
-
-
 def choose(
     decays: Decays, tolerance: float, budget: int, fixed: Mapping[str, int] = MappingProxyType({})
 ) -> LevelChoice:
     """Choose the smallest factorial that is predicted to reach a tolerance."""
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
-    kinked = _kinks(decays)
+    kinks = {output: tuple(name for name in along if along[name].algebraic) for output, along in decays.items()}
+    kinked = {output: where for output, where in kinks.items() if where}
     claimed = {output: along for output, along in decays.items() if output not in kinked}
     if not claimed:
         raise ValueError(f"no output decays geometrically, so no tolerance can be met: {', '.join(kinked)}")
@@ -93,8 +86,6 @@ def choose(
     error = {output: _error(along, counts) for output, along in claimed.items()}
     return LevelChoice(
         counts=counts,
-        cases=prod(counts.values()),
-        tolerance=tolerance,
         error={output: error.get(output, float("nan")) for output in decays},
         affine=tuple(name for name in names if all(along[name].affine for along in decays.values())),
         extrapolated=tuple(

@@ -145,7 +145,9 @@ class _Context:
                 {
                     "macro": macro, "text": printable(_ranged(axis)), "low": self.number(axis.low),
                     "high": self.number(axis.high), "unit": self._unit(axis, f"x[{k}]"),
-                    "relative": self._relative(k, scales[0].references) if scales and read[k] else "",
+                    "relative": (
+                        self._log(f"x[{k}] / {self.number(scales[0].references[k])}") if scales and read[k] else ""
+                    ),
                 }
                 for k, (axis, macro) in enumerate(zip(model.inputs_, names[0], strict=True))
             ],
@@ -168,9 +170,6 @@ class _Context:
 
     def _log(self, text: str) -> str:
         return f"(float)log((double)({text}))" if self._arithmetic == np.float32 else f"log({text})"
-
-    def _relative(self, k: int, references: Array) -> str:
-        return self._log(f"x[{k}] / {self.number(references[k])}")
 
     def _unit(self, axis: Input, text: str) -> str:
         """The scaled coordinate of a value."""

@@ -76,7 +76,8 @@ class Inversion:
         for _ in range(_ROUNDS):
             density, far = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
             if far > _HOPELESS:  # all cells would be halved without end
-                return self._nowhere(far)
+                nothing = np.full(len(self._inputs), np.nan)
+                return Estimate(nothing, nothing, nothing, far)
             cells = cells.only(density >= density.max() - _NEGLIGIBLE)
             changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
             coarse = changes.sum(-1) > _FINE
@@ -87,11 +88,6 @@ class Inversion:
         density, misfit = _log_density(cells, values, errors**2 + cells.std**2)
         weights = np.exp(density - density.max()) * np.prod(cells.half, axis=-1)
         return self._summary(cells, weights / weights.sum(), misfit, level)
-
-    def _nowhere(self, misfit: float) -> Estimate:
-        """Return the empty answer to measurements that no point of the box comes near."""
-        nothing = np.full(len(self._inputs), np.nan)
-        return Estimate(nothing, nothing, nothing, misfit)
 
     @cached_property
     def _first(self) -> "_Cells":

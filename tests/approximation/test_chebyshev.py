@@ -12,7 +12,6 @@ from approximation.chebyshev import coefficients, gauss_points, interpolation, m
 from approximation.measure import ITSELF, Measure
 from approximation.panels import Panels, line
 from approximation.piecewise import Interval, Piecewise
-from approximation.sobol import sobol_points
 from approximation.summit import highest
 
 
@@ -79,19 +78,6 @@ def test_values_and_slopes_are_those_of_the_series(count: int) -> None:
 def test_blocks_cover_every_place_once() -> None:
     places = np.arange(11)
     assert np.concatenate([places[block] for block in blocks(11, 4)]).tolist() == places.tolist()
-
-
-def test_each_of_equal_strips_of_a_cube_has_one_point() -> None:
-    for seed in (None, 0, 3):
-        points = sobol_points(64, 3, seed)
-        assert points.shape == (64, 3)
-        for along in points.T:
-            assert sorted(np.floor(64 * along)) == list(range(64))
-
-
-def test_a_seed_decides_the_points() -> None:
-    assert np.array_equal(sobol_points(16, 2, 1), sobol_points(16, 2, 1))
-    assert not np.array_equal(sobol_points(16, 2, 1), sobol_points(16, 2, 2))
 
 
 PLACES = np.array([[0.0, 0.3, 1.0], [1.7, 2.5, 4.0]])  # an end of two panels among them

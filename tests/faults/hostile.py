@@ -13,22 +13,9 @@ from tests.faults.conftest import TINY
 
 CANARY = "canary"
 CASES = "material,friction,radius,load\nBaTiO3,0.3,0.05,1e5\nPZT-4,0,0.1,2e4\n"
-MATERIAL = """\
-name: mine
-source: a book
-c11: 2.7e11
-c12: 1.2e11
-c13: 1.2e11
-c33: 2.7e11
-c44: 7.7e10
-e31: -4.4
-e33: 18.6
-e15: 11.6
-eps11: 1.1e-8
-eps33: 1.26e-8
-mu11: 5e-6
-mu33: 1e-5
-"""
+_CONSTANTS = {"c11": 2.7e11, "c12": 1.2e11, "c13": 1.2e11, "c33": 2.7e11, "c44": 7.7e10, "e31": -4.4, "e33": 18.6}
+_CONSTANTS |= {"e15": 11.6, "eps11": 1.1e-8, "eps33": 1.26e-8, "mu11": 5e-6, "mu33": 1e-5}
+MATERIAL = "name: mine\nsource: a book\n" + "".join(f"{name}: {value:.9g}\n" for name, value in _CONSTANTS.items())
 POINTS = "volume_fraction,friction,load,radius\n0.5,0.2,10000,0.05\n0.45,0.0,20000,0.1\n"
 STUDY = TINY + f"materials: []\nphases: [BaTiO3, CoFe2O4]\ndescription: {CANARY}\n"
 

@@ -1,5 +1,6 @@
 """A case with every term, refusals, and comparisons with the 50-digit oracle."""
 
+import re
 from collections.abc import Iterable
 from typing import Any
 
@@ -10,6 +11,7 @@ import xarray as xr
 import solver
 from solver.arrays import Array
 from verification.oracles.precise import Solution
+from workflow.run.provenance import ROOT
 
 #: A case with every term at work: friction, both charges, a datum that is not one.
 CHARGED: dict[str, Any] = {
@@ -21,6 +23,12 @@ INTERIOR = ("peak_von_mises", "peak_von_mises_depth", "peak_principal_tension")
 
 
 _ZERO = 1e-70  # what the oracle's 100 digits leave of a zero
+
+
+def tables(page: str) -> list[list[str]]:
+    """Cells of all tables of a page of docs/, row by row."""
+    text = (ROOT / f"docs/{page}.md").read_text(encoding="utf-8")
+    return [[cell.strip() for cell in row.split("|")[1:-1]] for row in re.findall(r"^\|.*\|$", text, re.MULTILINE)]
 
 
 def closed_form(out: xr.Dataset) -> list[str]:

@@ -21,7 +21,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from approximation.arrays import Array
 from storage.described import standard
 from storage.netcdf import CHECKSUM, read_whole, write_whole
 from storage.sealed import PARTIAL, FormatError
@@ -149,15 +148,11 @@ def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
 
 def _runs(factors: Sequence[xr.DataArray], dim: str) -> list[slice]:
     """Runs along a dimension in which some factors stay the same."""
-    rows = np.stack([_rows(factor, dim) for factor in factors], axis=-1)
+    firsts = [factor.isel({other: 0 for other in factor.dims if other != dim}) for factor in factors]
+    rows = np.stack([first.values for first in firsts], axis=-1)
     ends = np.flatnonzero((rows[1:] != rows[:-1]).any(axis=-1)) + 1
     starts = [0, *ends.tolist(), len(rows)]
     return [slice(begin, end) for begin, end in pairwise(starts)]
-
-
-def _rows(factor: xr.DataArray, dim: str) -> Array:
-    """A factor along one of its dimensions, at the first place of all others."""
-    return np.asarray(factor.isel({other: 0 for other in factor.dims if other != dim}).values)
 
 
 def _write(answer: xr.Dataset, path: Path) -> None:

@@ -1,13 +1,12 @@
 """The parametric study: one factor at a time about a baseline, on the exact solver, along the surface and inside."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 import solver  # whose maps of contacts in space are slow to import, and few studies have one
-from approximation.arrays import Array
 from solver import solve, solve_interior
 from solver.body import HALF_PLANE
 from solver.fields import FIELDS, POINT_FIELDS
@@ -83,7 +82,9 @@ def maps(study: Study, factor: str) -> xr.Dataset:
         solver.solve_map({**case, factor: value}, materials=study.own_materials, phases=study.phases)
         for value in values
     ]
-    x, y = (_window([data[axis].values for data in solved]) for axis in ("x", "y"))
+    # on the widest of their windows
+    axes = {axis: np.concatenate([data[axis].values for data in solved]) for axis in ("x", "y")}
+    x, y = (np.linspace(points.min(), points.max(), _CELLS) for points in axes.values())
     together = [data.interp(x=x, y=y, method="linear").fillna(0.0) for data in solved]
     kept = [data[["contact_pressure", "electric_displacement"]].drop_vars(factor, errors="ignore") for data in together]
     labels = xr.DataArray(values, dims=factor, attrs={"units": FACTORS[factor].units if factor in FACTORS else "1"})
@@ -94,11 +95,6 @@ def maps(study: Study, factor: str) -> xr.Dataset:
 def _few(values: list[Any]) -> list[Any]:
     """First, middle and last value of a factor."""
     return [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
-
-
-def _window(axes: Sequence[Array]) -> Array:
-    """Points over the widest of several windows."""
-    return np.linspace(min(axis[0] for axis in axes), max(axis[-1] for axis in axes), _CELLS)
 
 
 def _beside_half_plane(

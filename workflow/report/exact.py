@@ -12,7 +12,7 @@ from workflow.design.verdict.answer import Answer
 from workflow.language import titles
 from workflow.language.statements import Limit
 from workflow.study.categories import output
-from workflow.study.datum import HANGING, hanging, inner, length
+from workflow.study.datum import hanging, inner, length
 from workflow.study.model import Study
 from workflow.study.target import Target
 
@@ -20,12 +20,8 @@ _TIMES = (0.1, 1.0, 10.0)
 _EDGE = 1 - 1e-12  # position X from which the field at the edge is read
 _TOLD = 1e-3  # relative change that three digits tell
 _STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
-_READ = (
-    "voltage",
-    "capacitance_per_length",
-    "capacitance",
-    "charge_per_force",
-)  # quantities that read a device and that air changes most
+# quantities that read a device and that air changes most
+_READ = ("voltage", "capacitance_per_length", "capacitance", "charge_per_force")
 _HERE = {
     "insulated": "The surface beside the contact is insulated (surroundings: insulated). In air",
     AIR: "The surface beside the contact faces air (surroundings: air). With an insulated surface",
@@ -87,12 +83,7 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
         stated = term.statement
         if hangs.isdisjoint(stated.expression.names()):
             continue
-        known: dict[str, Any] = {
-            **narrowed.fixed,
-            **constants,
-            **term.worst,
-            **_solved(narrowed, term.worst, all_quantities=True),
-        }
+        known: dict[str, Any] = {**narrowed.fixed, **constants, **term.worst, **_solved(narrowed, term.worst)}
         values = np.broadcast_to(stated.expression.evaluate(known), len(_TIMES))
         deviation = isinstance(stated, Limit) and stated.deviation
         moves = not (deviation or np.allclose(values, values[1], rtol=_TOLD, atol=0))
@@ -118,14 +109,11 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
     return {"zone": zone, "half": half, "tension": tension} if zone > 0 else None
 
 
-def _solved(
-    study: Study, case: Mapping[str, float], *, all_quantities: bool = False
-) -> dict[str, np.ndarray[Any, Any]]:
-    """Quantities that depend on the datum, or all, of one case at the three lengths."""
+def _solved(study: Study, case: Mapping[str, float]) -> dict[str, np.ndarray[Any, Any]]:
+    """Quantities of one case at the three lengths."""
     base = case.get("datum") or length(study) or 1.0
     solved = factorial.exact(study, {**case, "datum": base * np.array(_TIMES)}, peaks=())
-    names = [str(name) for name in solved.data_vars if all_quantities or name in HANGING]
-    return {name: np.broadcast_to(solved[name].values, len(_TIMES)) for name in names}
+    return {str(name): np.broadcast_to(values, len(_TIMES)) for name, values in solved.data_vars.items()}
 
 
 def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:

@@ -21,7 +21,7 @@ from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, listed, title, value
 from workflow.learning.timing import by_quantity
 from workflow.report import firstscreen, ranked, sections, sentences, symbols, tables, whatif
-from workflow.report.svg import element, inlined
+from workflow.report.svg import element
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
 from workflow.study.model import Study
@@ -240,7 +240,8 @@ def _figure(path: Path) -> dict[str, Any]:
     kind, _, target = path.stem.partition("_")
     caption = (CAPTIONS / f"{kind}.rst").read_text(encoding="utf-8").replace("\n", " ").replace("``", "").strip()
     alt = f"{kind} {target.replace('_', ' ')}: {caption}".replace(" :", ":")
-    return {"caption": caption, "svg": inlined(path, alt), "name": path.stem, "kind": kind}
+    svg = element(path.read_text(encoding="utf-8"), path.stem, alt, 1.9)
+    return {"caption": caption, "svg": svg, "name": path.stem, "kind": kind}
 
 
 def _seconds(value: float) -> str:

@@ -129,14 +129,10 @@ def elasticities(answer: Answer) -> list[Chart]:
     """Exact change of every goal and limit for 1 % more of each variable, in percent."""
     charts, titled_so = [], Counter(term.title for term in answer.terms)
     for k, term in enumerate(answer.terms):
-        known = [
-            (variable, variable.sensitivity.elasticity[k])
-            for variable in answer.variables
-            if variable.sensitivity.elasticity
-        ]
         bars = [
             Bar(variable.name, variable.title, min(value, 0.0), max(value, 0.0), _change(value))
-            for variable, value in known
+            for variable in answer.variables
+            for value in variable.sensitivity.elasticity[k : k + 1]
             if np.isfinite(value)
         ]
         title = term.words if titled_so[term.title] > 1 and term in answer.limits else term.title

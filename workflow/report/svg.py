@@ -1,7 +1,6 @@
 """SVG figures as parts of a page: unique ids, colours that follow light and dark."""
 
 import re
-from pathlib import Path
 
 from markupsafe import Markup
 
@@ -32,11 +31,6 @@ _WRAPPED = re.compile(r"<g>(<(?:use|path)\b[^>]*/>)</g>")
 _LETTERS, _LETTER = re.compile(r"""font(?:-size)?[=:]["' ]*(\d+(?:\.\d+)?)(?:px|["'])"""), 14.0
 _EXPONENT = 7.1  # letters up to this size are raised or lowered ones
 _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
-
-
-def inlined(path: Path, alt: str) -> Markup:
-    """A figure's SVG as an element of the page."""
-    return element(path.read_text(encoding="utf-8"), path.stem, alt, 1.9)
 
 
 def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:

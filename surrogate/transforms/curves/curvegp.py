@@ -122,7 +122,8 @@ class CurveGP(Transformed):
                 for k, row in enumerate(bases[-1].scores(values))
             }
         coordinates = [str(name) for name in X.variables if name in X.dims or name in X.coords]
-        data = xr.Dataset(parts, {name: X[name] for name in coordinates if not set(X[name].dims) & self._dims()})
+        along = {curves.dim for curves in self.curves}
+        data = xr.Dataset(parts, {name: X[name] for name in coordinates if along.isdisjoint(X[name].dims)})
         smooth = self.smooth(list(parts)).fit(data)
         self.bases_, self.calibration_ = tuple(bases), None
         self.smooth_, self.cases_ = smooth.thinned(self.allowed(self.error)), smooth.cases_
@@ -192,9 +193,6 @@ class CurveGP(Transformed):
             return np.ones(smooth.shape[1])
         learnt = smooth[self._size_rows[size]]
         return np.asarray(np.exp(learnt) if self.logarithms else learnt)
-
-    def _dims(self) -> set[str]:
-        return {curves.dim for curves in self.curves}
 
     def _witnessed(self, name: str) -> str:
         """The smooth output whose variance tells how that of an output is spread over the box.

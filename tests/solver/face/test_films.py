@@ -7,8 +7,9 @@ import pytest
 import xarray as xr
 
 import solver
+from solver.arrays import Array
 from solver.names import ALL_PEAKS, FILM_PEAKS, FILM_QUANTITIES, QUANTITIES
-from tests.solver.cases import assert_alike
+from tests.solver.cases import assert_alike, tables
 from tests.solver.line.films import BTO, CFO, STEEL
 
 FILM: dict[str, Any] = {
@@ -31,64 +32,48 @@ _SCALARS = (
     "electric_edge_intensity_trailing", "electric_edge_intensity_leading",
     "magnetic_edge_intensity_trailing", "magnetic_edge_intensity_leading",
 )  # fmt: skip
-
-#: Theory of films, section 9: factors; the scalars above; p, D_y, B_y at X = -0.5, 0, 0.5; sigma_xx at X = 1.2, -1.2.
-FIGURES: dict[str, tuple[dict[str, Any], tuple[float, ...], tuple[float, ...]]] = {
-    "BaTiO3 on rigid": (
-        FILM,
-        (2.103852975e-04, 2.103852975e-04, 6.959044108e-07, -5.393112137e02, 0.0,
-         6.164540932e-04, 6.164540932e-04, 0.0, 0.0),
-        (2.620449157e08, 3.033895065e08, 2.620449157e08, -1.384260933e-02, -2.405493644e-02, -1.384260933e-02,
-         0.0, 0.0, 0.0, 6.549891077e07, 6.549891077e07),
-    ),
-    "fibrous on rigid": (
-        MIX | {"base": "rigid", "charge": 2e-5, "magnetic_charge": 1e-2},
-        (1.741186380e-04, 1.750310824e-04, 4.900432047e-07, 1.082552282e03, 3.756287613e01,
-         -3.643389579e-04, -3.499955974e-04, -3.971580532e-01, -3.965508806e-01),
-        (3.116981669e08, 3.767103051e08, 3.179218122e08, -5.408774763e-02, -5.833231139e-02, -5.521730464e-02,
-         -2.177424521e01, -1.956580057e01, -2.181913629e01, 1.555208861e08, -2.764407038e07),
-    ),
-    "fibrous on steel": (
-        MIX | {"base": "steel", "interface_magnetic": "grounded", "datum": 0.2e-3},
-        (2.003603865e-04, 1.857207118e-04, 4.444201344e-07, -2.715383908e02, -5.303018923e-01,
-         6.379179498e-05, 9.308101282e-05, 6.050401959e-03, 6.063045377e-03),
-        (2.801686084e08, 3.312695878e08, 2.905574954e08, -6.404062368e-04, -4.426843698e-03, -3.044442030e-03,
-         -1.272829867e-01, -2.468574397e-01, -1.563876997e-01, 1.134370442e08, -9.345979507e07),
-    ),
-}  # fmt: skip
+#: Half way down at X = 0; on the base sigma_xy and sigma_yy at X = 0 and 1.
+_HALF_WAY = ("stress_xx", "stress_yy", "electric_displacement_y", "von_mises")
+#: The cases of the page, in its order.
+CASES: tuple[dict[str, Any], ...] = (
+    FILM,
+    MIX | {"base": "rigid", "charge": 2e-5, "magnetic_charge": 1e-2},
+    MIX | {"base": "steel", "interface_magnetic": "grounded", "datum": 0.2e-3},
+)
+TABLES = tables("theory-films")
+_START = TABLES.index(["", "case 1", "case 2", "case 3"]) + 2
+FIGURES = np.array([list(map(float, row[1:])) for row in TABLES[_START : _START + 28]])
 
 
-@pytest.mark.parametrize("name", FIGURES)
-def test_published_figures_are_hit(name: str) -> None:
-    factors, scalars, fields = FIGURES[name]
-    out = solver.solve(factors, POSITIONS)
+@pytest.mark.parametrize(("case", "figures"), [*zip(CASES, FIGURES.T, strict=True)])
+def test_published_figures_are_hit(case: dict[str, Any], figures: Array) -> None:
+    """Theory of films, section 9."""
+    scalars, fields, half_way, at_base = np.split(figures, [9, 20, 24])
+    out = solver.solve(case, POSITIONS)
     np.testing.assert_allclose([float(out[key]) for key in _SCALARS], scalars, rtol=1e-8)
     index = np.concatenate([out[key].values[index] for key, index in _VECTORS.items()])
     np.testing.assert_allclose(index, fields, rtol=1e-8)
-
-
-#: Section 9: a/h at zero volts, then P R/a^2 [Pa] and charge/load [pC/N] of PZT-4 and of BaTiO3, depth R/a^2 of PZT-4.
-SHORT_CIRCUIT = {
-    0.05: ((6.765708e10, 217.0654), (1.016044e11, 154.2390), 1.836732),
-    0.5: ((7.708279e10, 183.3418), (1.177911e11, 137.9928), 0.810513),
-    2.0: ((1.655475e11, 148.7037), (2.550877e11, 121.8530), 0.545221),
-    10.0: ((7.66574e11, 132.654), (1.112011e12, 115.329), 0.501589),
-}
+    depth = case["thickness"] / float(out["contact_trailing"] + out["contact_leading"]) * 2
+    inside = solver.solve_interior(case, [0.0, 1.0], [-depth / 2, -depth], fields=[*_HALF_WAY, "stress_xy"])
+    np.testing.assert_allclose([float(inside[key][0, 0]) for key in _HALF_WAY], half_way, rtol=1e-9)
+    np.testing.assert_allclose(inside["stress_xy"][1], at_base[::2], rtol=1e-9, atol=1e-3)
+    np.testing.assert_allclose(inside["stress_yy"][1], at_base[1::2], rtol=1e-9)
 
 
 def test_table_of_short_circuited_films_is_hit_to_every_digit() -> None:
+    """Section 9: a/h at zero volts, P R/a^2 [Pa] and charge/load [pC/N] of PZT-4, its depth R/a^2, then of BaTiO3."""
     thickness, radius = 2e-4, 0.05
-    half = np.array(list(SHORT_CIRCUIT)) * thickness
-    for number, material in enumerate(("PZT-4", "BaTiO3")):
-        stiffness, expected = np.array([row[number] for row in SHORT_CIRCUIT.values()]).T
-        load = stiffness * half**2 / radius
+    start = next(k for k, row in enumerate(TABLES) if row[0] == "$a/h_1$") + 2
+    shares, *pzt, depth, stiffness, charge = np.array(TABLES[start : start + 4], dtype=float).T
+    half = shares * thickness
+    for material, (pressed, expected) in {"PZT-4": pzt, "BaTiO3": (stiffness, charge)}.items():
+        load = pressed * half**2 / radius
         film = FILM | {"material": material, "thickness": thickness, "load": xr.DataArray(load, dims="case")}
         computed = solver.solve(film)["charge_per_force"].values * 1e12
         assert np.all(np.abs(computed - expected) < [6e-5, 6e-5, 6e-5, 6e-4])
         held = solver.solve(film | {"charge": xr.DataArray(computed * 1e-12 * load, dims="case")})
         np.testing.assert_allclose(held["contact_trailing"], half, rtol=1e-6)
         if material == "PZT-4":
-            depth = [row[2] for row in SHORT_CIRCUIT.values()]
             np.testing.assert_allclose(held["depth"] * radius / half**2, depth, atol=6e-7)
 
 
@@ -105,36 +90,6 @@ def test_peaks_of_film_and_interface() -> None:
     assert set(half.data_vars) & set(ALL_PEAKS) == {"peak_von_mises_depth"}
     with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown; known are peak_von_mises"):
         solver.solve(FILM, peaks=["shear"])
-
-
-#: Theory of films, section 9, half way down at X = 0: sigma_xx, sigma_yy, D_y, von Mises; on the base at X = 0 and 1:
-#: sigma_xy, sigma_yy.
-INSIDE = {
-    "BaTiO3 on rigid": (
-        (-6.545137408e05, -2.051132126e08, -1.330565069e-02, 1.829406836e08),
-        (0.0, 3.299573303e07), (-1.446113727e08, -1.059483710e08),
-    ),
-    "fibrous on rigid": (
-        (-9.114078814e07, -3.431055653e08, -5.824930730e-02, 2.364533602e08),
-        (-2.839180515e07, 6.210199417e07), (-2.792505284e08, -9.112992695e07),
-    ),
-    "fibrous on steel": (
-        (-1.053084797e08, -2.981709574e08, -4.356648744e-03, 1.904045604e08),
-        (-1.539243427e07, 5.320606955e07), (-2.376930566e08, -9.673632142e07),
-    ),
-}  # fmt: skip
-_HALF_WAY = ("stress_xx", "stress_yy", "electric_displacement_y", "von_mises")
-
-
-@pytest.mark.parametrize("name", INSIDE)
-def test_published_figures_inside_are_hit(name: str) -> None:
-    factors, (half_way, shear, normal) = FIGURES[name][0], INSIDE[name]
-    out = solver.solve(factors)
-    depth = factors["thickness"] / float(out["contact_trailing"] + out["contact_leading"]) * 2
-    computed = solver.solve_interior(factors, [0.0, 1.0], [-depth / 2, -depth], fields=[*_HALF_WAY, "stress_xy"])
-    np.testing.assert_allclose([float(computed[key][0, 0]) for key in _HALF_WAY], half_way, rtol=1e-9)
-    np.testing.assert_allclose(computed["stress_xy"][1], shear, rtol=1e-9, atol=1e-3)
-    np.testing.assert_allclose(computed["stress_yy"][1], normal, rtol=1e-9)
 
 
 BARE: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5, "surroundings": "insulated"}

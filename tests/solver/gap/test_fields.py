@@ -82,7 +82,7 @@ def test_edge_stresses_are_limits_of_the_fields_and_even_without_friction() -> N
     """Guards a fixed error: charges on one side stretched the other edge with the wrong sign, 14 % here."""
     contact = made("steel")
     states = contact.solved.states
-    others = contact.table.others.at(states.unknowns[:, 0]).times(states.columns[..., None])
+    others = contact.table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])
     edge = others[0, 0, :2, 0] / contact.contact.scale[1]
     near = surface_fields(contact.solutions()[0], np.array([1 + 1e-7, -1 - 1e-7]))["stress_xx"][0]
     np.testing.assert_allclose(edge[0], edge[1], rtol=1e-9)

@@ -17,7 +17,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import ANY_SIZE, Material
 from tests.solver.strategies import constants, loads, property_based
 from verification.oracles import collocation
-from verification.oracles.collocated import fields, quantities
+from verification.oracles.collocation import fields, quantities
 from verification.oracles.sample_materials import SIH_SONG as CONSTANTS
 from verification.oracles.surface_response import SurfaceResponse, reduced, surface_response
 

@@ -42,6 +42,7 @@ REFUSED: list[tuple[str, Callable[[], object]]] = [
     ("c11: ", lambda: read({"c11": 10**400})),
     ("mine: e13: unknown entry; ", lambda: read({"e13": -4.4})),
     ("c33: missing", lambda: solver.Material.from_mapping(STIFF)),
+    ("broken: c13", lambda: solver.solve({"material": ["steel", broken(), "PZT-4"], **CONTACT})),
     ("arrays", lambda: solver.solve({"material": solver.fibrous(FIBRES, HOST, [0.2, 0.4]), **CONTACT})),
     *((f"volume_fraction: {value:g} is not", lambda mix=mix, value=value: mix(FIBRES, HOST, [0.5, value]))
       for mix in MIXTURES for value in (-0.1, 1.5, np.nan)),
@@ -51,6 +52,10 @@ REFUSED: list[tuple[str, Callable[[], object]]] = [
     *(("isotropic: ", lambda young=young, poisson=poisson: solver.Material.isotropic(young, poisson))
       for young, poisson in ((2e11, -1.0), (2e11, 0.6), (2e11, 0.5), (-1.0, 0.3), (0.0, 0.3), (np.nan, 0.3))),
 ]  # fmt: skip
+
+
+def broken() -> solver.Material:
+    return solver.Material(c11=np.array(1e9), c13=np.array(2e9), c33=np.array(1e9), c44=np.array(1e9), name="broken")
 
 
 def read(change: dict[str, Any]) -> solver.Material:
@@ -75,12 +80,9 @@ def test_refused(words: str, attempt: Callable[[], object]) -> None:
         ({"c33": 0.0}, ["c33 = 0 Pa", "positive"]),
         ({"c44": -1.0}, ["c44 = -1 Pa", "positive"]),
         ({"c13": 165e9}, ["c13 = 1.65e+11 Pa", "c13^2 < c11 c33"]),
-        ({"c13": -165e9}, ["c13 = -1.65e+11 Pa", "c13^2 < c11 c33"]),
         ({"c13": 145e9}, ["c13 = 1.45e+11 Pa", "2 c13^2 < (c11 + c12) c33"]),
         ({"c12": 170e9}, ["c12 = 1.7e+11 Pa", "|c12| < c11"]),
         ({"eps11": -11.2e-9}, ["eps11 = -1.12e-08 F m-1", "positive"]),
-        ({"eps33": 0.0}, ["eps33 = 0 F m-1", "positive"]),
-        ({"mu33": -1e-6}, ["mu33 = -1e-06 N s2 C-2", "positive"]),
         ({"mu11": -590e-6}, ["mu11 = -0.00059 N s2 C-2", "positive", "mu11 = +590e-6", "wrong sign"]),
         ({"g11": 3e-7}, ["g11 = 3e-07 N s V-1 C-1", "g11^2 < eps11 mu11"]),
         ({"g33": -4e-7}, ["g33 = -4e-07 N s V-1 C-1", "g33^2 < eps33 mu33"]),
@@ -132,15 +134,6 @@ def test_a_constant_is_accepted_just_within_its_bound_and_refused_just_beyond(na
     solver.Material.from_mapping(c | {name: bound * (1 - 1e-12)})
     with pytest.raises(solver.MaterialError, match=f"{name} = "):
         solver.Material.from_mapping(c | {name: bound * (1 + 1e-12)})
-
-
-def test_one_bad_case_of_many_is_named() -> None:
-    steel, rubber = solver.find("steel"), solver.Material.isotropic(1e6, 0.45, name="rubber")
-    broken = solver.Material(
-        c11=np.array(1e9), c13=np.array(2e9), c33=np.array(1e9), c44=np.array(1e9), name="broken"
-    )  # fmt: skip
-    with pytest.raises(solver.MaterialError, match="broken: c13"):
-        solver.solve({"material": [steel, broken, rubber], "radius": 0.1, "load": 1.0})
 
 
 #: PZT-5A as vendors print it: s^E [m2/N], d [C/N], free relative permittivities.

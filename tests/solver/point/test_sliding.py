@@ -10,10 +10,10 @@ import solver
 from solver.halfplane.surface import HalfPlane
 from solver.point import slidingtable
 from solver.point.profile import Shape, halfspace_peak
-from solver.point.quantities import quantities
-from tests.solver.point.points import FIBROUS, Conducts, on_halfspace
+from tests.solver.point.points import FIBROUS
 from verification.cases import constants
 from verification.oracles import point
+from verification.points import PROFILES
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 
@@ -109,27 +109,26 @@ def test_a_sharp_apex_bears_what_it_bears_at_rest() -> None:
     assert float(blunt["peak_pressure"][1]) == float(blunt["peak_pressure"][0])
 
 
-#: Exponent and coefficient of a sphere of 5 mm, a cone, a disc of 50 um and two powers.
-PROFILES = [(2.0, 100.0), (1.0, 0.1), (0.0, 5e-5), (1.5, 3.0), (4.0, 1e9)]
-STEEL_PUNCH = 2 * (1 - 0.3**2) / 210e9
-
-
 @pytest.mark.sampled(5)
-@pytest.mark.parametrize(("exponent", "coefficient"), PROFILES)
+@pytest.mark.parametrize(("punch", "exponent", "coefficient"), PROFILES)
 @pytest.mark.parametrize("conducts", [(True, True), (True, False), (False, True), (False, False)])
-def test_every_quantity_to_1e_13(exponent: float, coefficient: float, conducts: Conducts) -> None:
-    charges = np.where(conducts, (3e-10, -2e-8), 0.0)
-    values = quantities(on_halfspace(FIBROUS, exponent, coefficient, 10.0, charges, conducts, STEEL_PUNCH))
+def test_every_quantity_to_1e_13(
+    punch: dict[str, Any], exponent: float, coefficient: float, conducts: tuple[bool, bool]
+) -> None:
+    charge, flux = np.where(conducts, (3e-10, -2e-8), 0.0).tolist()
+    electric, magnetic = ("conducting" if conducting else "insulating" for conducting in conducts)
+    case = {"material": FIBROUS, "force": 10.0, "total_charge": charge, "total_flux": flux, "electric": electric}
+    solution = solver.solve(case | punch | {"magnetic": magnetic, "punch_modulus": 210e9, "punch_poisson": 0.3})
     exact = point.quantities(
-        constants(FIBROUS), exponent=exponent, coefficient=coefficient, force=10.0, charge=float(charges[0]),
-        magnetic_charge=float(charges[1]), conducted=tuple(i for i in (1, 2) if conducts[i - 1]),
-        punch_compliance=STEEL_PUNCH,
+        constants(FIBROUS), exponent=exponent, coefficient=coefficient, force=10.0, charge=charge,
+        magnetic_charge=flux, conducted=tuple(i for i in (1, 2) if conducts[i - 1]),
+        punch_compliance=2 * (1 - 0.3**2) / 210e9,
     )  # fmt: skip
     if exponent > 2:
         exact.pop("peak_pressure")  # not at the centre
-    assert set(exact) <= set(values)
+    assert set(exact) <= set(solution)
     for name, value in exact.items():
-        assert values[name][0] == pytest.approx(value, rel=1e-13), name
+        assert float(solution[name]) == pytest.approx(value, rel=1e-13), name
 
 
 @pytest.mark.parametrize("exponent", [4, 6, 10])

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from copy import deepcopy
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +77,12 @@ def test_extrapolation_is_computed_and_flagged_when_asked_for(model: GridGP) -> 
     truth = functions.outputs({k: xr.DataArray(v) for k, v in {**MIDDLE, "mixture": 0.951}.items()})["no_bias"]
     assert float(answer["no_bias"][1]) == pytest.approx(float(truth), rel=1e-4)  # close by, where it still holds
     assert "extrapolated" not in model.predict(MIDDLE)
+    far = {**MIDDLE, "mixture": [0.5, 0.951]}
+    methods: list[Callable[..., xr.Dataset]] = [model.interval, partial(model.quantile, q=0.5)]
+    for ask in methods:
+        assert ask(far, extrapolate=True)["extrapolated"].values.tolist() == [False, True]
+        with pytest.raises(OutOfBoxError, match=re.escape("mixture = 0.951")):
+            ask(far)
 
 
 @pytest.mark.parametrize(
@@ -126,15 +133,6 @@ def test_an_incomplete_factorial_is_refused_in_one_line(change: Callable[[xr.Dat
     with pytest.raises(ValueError, match=re.escape(says)) as caught:
         GridGP(inputs=functions.INPUTS).fit(change(functions.factorial((5, 3, 3, 3, 2))))
     assert "\n" not in str(caught.value)
-
-
-def test_levels_off_the_chebyshev_points_are_refused() -> None:
-    x = np.linspace(0, 1, 7)
-    data = xr.Dataset({"f": ("x", np.exp(x))}, coords={"x": x})
-    with pytest.raises(ValueError, match="none of the 7 Chebyshev-Gauss levels of \\[0, 1\\]"):
-        GridGP(inputs=[Input("x", 0, 1)]).fit(data)
-    with pytest.raises(ValueError, match="no Chebyshev-Gauss levels of a linear or log range"):
-        GridGP().fit(data)
 
 
 def test_box_and_scale_are_read_off_chebyshev_levels() -> None:
@@ -188,18 +186,6 @@ def test_quantiles_are_labelled_and_those_of_intervals(model: GridGP) -> None:
     assert ends["smooth"].attrs == model.predict(points)["smooth"].attrs
     np.testing.assert_allclose(ends["smooth"][1], upper["smooth"], rtol=0, atol=0)
     np.testing.assert_allclose(ends["smooth"][0], model.interval(points)["smooth_lower"], rtol=1e-14)
-
-
-def test_points_outside_of_the_box_have_intervals_when_asked_for(model: GridGP) -> None:
-    far = {**MIDDLE, "mixture": [0.5, 0.951]}
-    methods: list[Callable[..., xr.Dataset]] = [
-        model.interval,
-        lambda points, **how: model.quantile(points, 0.5, **how),
-    ]
-    for ask in methods:
-        assert ask(far, extrapolate=True)["extrapolated"].values.tolist() == [False, True]
-        with pytest.raises(OutOfBoxError, match=re.escape("mixture = 0.951")):
-            ask(far)
 
 
 @pytest.mark.parametrize("level", [0.0, 1.0, -0.5, float("nan")])

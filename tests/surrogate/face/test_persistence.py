@@ -1,6 +1,8 @@
-"""Models as files: the same predictions again, and every kind of wrong file refused."""
+"""Models as files: the same predictions again, every kind of wrong file refused, and little taken by what is read."""
 
+import os
 import re
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,9 +12,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from storage.described import described
 from storage.netcdf import read_whole, write_whole
+from storage.quarantine import little_memory
 from storage.sealed import seal
-from surrogate import FactorialRegressor, FormatError, GridGP, load, save
+from surrogate import FactorialRegressor, FormatError, GridGP, Input, load, save
+from surrogate.data.meanings import MEANINGS, SOURCE
+from surrogate.face import persistence
+from surrogate.face.persistence import MOST, check_sizes
 from tests.surrogate import functions
 
 
@@ -96,3 +103,73 @@ def test_a_model_that_unpacks_to_too_much_is_refused(stored: bytes, tmp_path: Pa
     seal(path)
     with pytest.raises(FormatError, match="too large"):
         load(path)
+
+
+ONE = Input("a", 0, 1)
+
+
+def model(count: int = 6) -> GridGP:
+    """A sine over one input."""
+    levels = ONE.levels(count)
+    return GridGP([ONE]).fit(xr.Dataset({"y": ("a", np.sin(levels))}, coords={"a": levels}))
+
+
+def written(stored: xr.Dataset, path: Path) -> Path:
+    """A file of a model's arrays as `save` writes it, whatever they are."""
+    stored.attrs |= {"format": persistence.FORMAT, "format_version": persistence.VERSION}
+    write_whole(described(stored, "hostile", SOURCE, MEANINGS), path)
+    return path
+
+
+def with_levels(count: int) -> xr.Dataset:
+    """The model's arrays with so many levels, of which a matrix has the square."""
+    stored = persistence.nested(model()).drop_vars(["levels_0", "core_0"])
+    core = ("rank_0", "mode_0", "output"), np.zeros((1, count, 1))
+    return stored.assign(levels_0=("level_0", np.linspace(0, 1, count)), core_0=core)
+
+
+@pytest.mark.usefixtures("quarantined")
+def test_levels_whose_matrix_fills_the_memory_are_refused_before_it_is_made(tmp_path: Path) -> None:
+    path = written(with_levels(20_000), tmp_path / "levels.nc")  # their matrix takes 3.2 GB, the file 160 kB
+    with pytest.raises(FormatError, match=r"levels\.nc: inconsistent: level_0 is 20000 long; .* at most 1000"):
+        load(path)
+
+
+def test_levels_are_bounded_for_all_factors_together() -> None:
+    with pytest.raises(ValueError, match="2700 levels of all factors; a model in a file has at most 2000"):
+        check_sizes(xr.Dataset({f"levels_{k}": (f"smooth_level_{k}", np.zeros(900)) for k in range(3)}))
+
+
+@pytest.mark.usefixtures("quarantined")
+def test_a_small_file_of_many_zeros_is_refused(tmp_path: Path) -> None:
+    stored = persistence.nested(model()).assign(more=("many", np.zeros(2**23)))
+    path = written(stored, tmp_path / "zeros.nc")
+    assert path.stat().st_size < 2**19
+    with pytest.raises(FormatError, match="too large: it unpacks to 671"):
+        load(path)
+
+
+def test_what_is_made_of_a_file_has_little_memory_and_the_limit_goes_again(tmp_path: Path) -> None:
+    before, path = resource.getrlimit(resource.RLIMIT_AS), tmp_path / "some.nc"
+    with (
+        pytest.raises(FormatError, match=r"some\.nc: too large: what is made of it takes more memory"),
+        little_memory(path),
+    ):
+        np.zeros(2**32 + 2**27 * (os.cpu_count() or 1), dtype=np.uint8)  # untouched, a machine would grant it
+    with little_memory(path):
+        assert np.zeros(2**20).sum() == 0
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+
+
+def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(MOST, "output", 0)
+    with pytest.raises(ValueError, match="output is 1 long"):
+        save(model(), tmp_path / "y.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("quarantined")
+def test_outputs_of_one_name_are_refused(tmp_path: Path) -> None:
+    stored = persistence.nested(model()).isel(output=[0, 0])
+    with pytest.raises(FormatError, match="output names must be unique"):
+        load(written(stored.assign(probe_point=(("probe", "input"), [[0.5]])), tmp_path / "twice.nc"))

@@ -46,20 +46,15 @@ def _axes(ax: Axes) -> dict[str, Any] | None:
             curves.append({"label": "" if label.startswith("_") else label, "x": _rounded(x), "y": _rounded(y)})
     if not curves and ax not in _maps:
         return None
-    box = ax.get_position()
+    box, named = ax.get_position(), isinstance(ax.yaxis.get_major_formatter(), FixedFormatter)
     return {
         "box": _rounded(np.array([box.x0, 1 - box.y1, box.x1, 1 - box.y0])),
         "x": _scale(ax.get_xlim(), ax.get_xscale(), ax.get_xlabel()),
         "y": _scale(ax.get_ylim(), ax.get_yscale(), ax.get_ylabel() or ax.get_title()),
-        "names": [text.get_text() for text in ax.get_yticklabels()] if _named(ax) else [],
+        "names": [text.get_text() for text in ax.get_yticklabels()] if named else [],
         "curves": curves,
         "map": _maps.get(ax),
     }
-
-
-def _named(ax: Axes) -> bool:
-    """Return whether the vertical axis shows names instead of numbers."""
-    return isinstance(ax.yaxis.get_major_formatter(), FixedFormatter)
 
 
 def _data(x: Any, y: Any) -> tuple[Array, Array]:
