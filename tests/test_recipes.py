@@ -12,104 +12,89 @@ from workflow.run.provenance import ROOT
 
 ROOMS = ("approximation", "solver", "storage", "surrogate", "workflow")
 
-#: By file: lines, by their beginnings, and what is added behind them; a file of its own has no such line.
-Steps = dict[str, dict[str, str]]
+#: Recipes (==) by files (--): the beginning of the line behind which a file is changed, and what is added.
+TEXT = """\
+== a composite law
+-- solver/material/inverse.py
+def inverse(phases, fraction):
+    from solver.material.composite import fibrous  # which imports this law
 
-RECIPES: dict[str, Steps] = {
-    "a composite law": {
-        "solver/material/inverse.py": {
-            "": (
-                "def inverse(phases, fraction):\n"
-                "    from solver.material.composite import fibrous  # which imports this law\n"
-                "\n"
-                "    return fibrous(phases[1], phases[0], 1 - fraction)\n"
-            )
-        },
-        "solver/material/composite.py": {
-            "from solver.material.constants": "from solver.material.inverse import inverse\n",
-            "_LAWS": '    "inverse": lambda phases, fraction: inverse(phases, fraction),\n',
-        },
-        "solver/names.py": {"COMPOSITES": 'COMPOSITES["inverse"] = "volume_fraction"\n'},
-    },
-    "a profile of the punch": {
-        "solver/halfplane/profile.py": {
-            '        return cls((np.zeros(()), 1 / radius), (corner == "leading"': (
-                "\n"
-                "    @classmethod\n"
-                "    def quartic(cls, radius):\n"
-                "        return cls((np.zeros(()), np.zeros(()), np.zeros(()), radius**-3), (True, True))\n"
-            )
-        },
-        "solver/names.py": {"PROFILES": '    "quartic": Outline(("radius",)),\n'},
-    },
-    "a quantity": {
-        "solver/names.py": {"QUANTITIES": '    "contact_skew": Described("1", "leading extent over trailing"),\n'},
-        "solver/halfplane/quantities.py": {
-            '        "pressure_exponent"': '        "contact_skew": contact.leading / contact.trailing,\n'
-        },
-    },
-    "a limit": {
-        "solver/names.py": {
-            "LIMITS": '    "fatigue_strength": Described("Pa", "peak pressure that it bears for long"),\n'
-        },
-        "solver/material/materials.toml": {
-            "c11 = 166e9": 'limits.fatigue_strength = {value = 1e8, source = "a test"}\n'
-        },
-    },
-    "a risk measure": {
-        "workflow/language/statistics.py": {
-            '        return f"mean minus {self.deviations': (
-                "\n"
-                "\n"
-                "@dataclass(frozen=True)\n"
-                "class Tail:\n"
-                '    """The mean of the worst share of the cases."""\n'
-                "\n"
-                "    drawn: ClassVar[bool] = True\n"
-                "    share: float\n"
-                "\n"
-                "    @property\n"
-                "    def told(self):\n"
-                '        return f"(mean of the worst {100 * self.share:g} %)"\n'
-            ),
-            "        return Mean(": (
-                '    if match := re.fullmatch(r"worst ([0-9.]+) % on average", words):\n'
-                "        return Tail(float(match[1]) / 100)\n"
-            ),
-        },
-        "workflow/design/question/risk.py": {
-            "        return WorstCase()": (
-                "    if isinstance(statistic, statistics.Tail):\n        return Shortfall(statistic.share, sign)\n"
-            ),
-            "    return MeanDeviation(-sign": (
-                "\n"
-                "\n"
-                "@dataclass(frozen=True)\n"
-                "class Shortfall(RiskMeasure):\n"
-                "    share: float\n"
-                "    sign: float\n"
-                "\n"
-                "    def _weights(self, values):\n"
-                "        ranks = (self.sign * values).argsort(-1).argsort(-1)\n"
-                "        worst = ranks < max(1, round(self.share * values.shape[-1]))\n"
-                "        return worst / worst.sum(-1, keepdims=True)\n"
-                "\n"
-                "    def rows(self, values):\n"
-                "        return (self._weights(values) * values).sum(-1)\n"
-                "\n"
-                "    def jacobian(self, values):\n"
-                "        return _by_group(self._weights(values))\n"
-            ),
-        },
-    },
-    "a figure": {
-        "workflow/report/figures/gaps.py": {"": ("def figure(validation, told):\n    raise NotImplementedError\n")},
-        "workflow/report/captions/gaps.rst": {"": "Gaps.\n"},
-        "workflow/report/sections.py": {
-            '    Figure("intervals"': '    Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _factorial),\n'
-        },
-    },
-}
+    return fibrous(phases[1], phases[0], 1 - fraction)
+-- solver/material/composite.py: from solver.material.constants
+from solver.material.inverse import inverse
+-- solver/material/composite.py: _LAWS
+    "inverse": lambda phases, fraction: inverse(phases, fraction),
+-- solver/names.py: COMPOSITES
+COMPOSITES["inverse"] = "volume_fraction"
+== a profile of the punch
+-- solver/halfplane/profile.py:         return cls((np.zeros(()), 1 / radius), (corner == "leading"
+    @classmethod
+    def quartic(cls, radius):
+        return cls((np.zeros(()), np.zeros(()), np.zeros(()), radius**-3), (True, True))
+-- solver/names.py: PROFILES
+    "quartic": Outline(("radius",)),
+== a quantity
+-- solver/names.py: QUANTITIES
+    "contact_skew": Described("1", "leading extent over trailing"),
+-- solver/halfplane/quantities.py:         "pressure_exponent"
+        "contact_skew": contact.leading / contact.trailing,
+== a limit
+-- solver/names.py: LIMITS
+    "fatigue_strength": Described("Pa", "peak pressure that it bears for long"),
+-- solver/material/materials.toml: c11 = 166e9
+limits.fatigue_strength = {value = 1e8, source = "a test"}
+== a risk measure
+-- workflow/language/statistics.py:         return f"mean minus {self.deviations
+@dataclass(frozen=True)
+class Tail:
+    drawn: ClassVar[bool] = True
+    share: float
+
+    @property
+    def told(self):
+        return f"(mean of the worst {100 * self.share:g} %)"
+-- workflow/language/statistics.py:         return Mean(
+    if match := re.fullmatch(r"worst ([0-9.]+) % on average", words):
+        return Tail(float(match[1]) / 100)
+-- workflow/design/question/risk.py:         return WorstCase()
+    if isinstance(statistic, statistics.Tail):
+        return Shortfall(statistic.share, sign)
+-- workflow/design/question/risk.py:     return MeanDeviation(-sign
+@dataclass(frozen=True)
+class Shortfall(RiskMeasure):
+    share: float
+    sign: float
+
+    def _weights(self, values):
+        ranks = (self.sign * values).argsort(-1).argsort(-1)
+        worst = ranks < max(1, round(self.share * values.shape[-1]))
+        return worst / worst.sum(-1, keepdims=True)
+
+    def rows(self, values):
+        return (self._weights(values) * values).sum(-1)
+
+    def jacobian(self, values):
+        return _by_group(self._weights(values))
+== a figure
+-- workflow/report/figures/gaps.py
+def figure(validation, told):
+    raise NotImplementedError
+-- workflow/report/captions/gaps.rst
+Gaps.
+-- workflow/report/sections.py:     Figure("intervals"
+    Figure("gaps", _VALIDATION, "gaps.figure", "gaps", _factorial),
+"""
+
+
+def steps(recipe: str) -> list[tuple[str, str, str]]:
+    """File, beginning of a line, and addition of every step; a new file has no line."""
+    parts = re.split(r"^-- ([\w/.]+)(?:: (.*))?\n", recipe, flags=re.MULTILINE)
+    return [
+        (name, begins or "", added) for name, begins, added in zip(parts[1::3], parts[2::3], parts[3::3], strict=True)
+    ]
+
+
+RECIPES = {name: steps(recipe) for name, recipe in re.findall(r"^== (.*)\n((?:(?!== ).*\n)*)", TEXT, re.MULTILINE)}
 
 #: What each has then added, asked in one process of the copy.
 ASKED = """
@@ -167,11 +152,9 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]
     copy = tmp_path_factory.mktemp("recipes")
     for room in ROOMS:
         shutil.copytree(ROOT / room, copy / room, ignore=shutil.ignore_patterns("__pycache__"))
-    for steps in RECIPES.values():
-        for name, additions in steps.items():
-            file = copy / name
-            for begins, added in additions.items():
-                file.write_text(put(file.read_text("utf-8") if file.is_file() else "", begins, added), "utf-8")
+    for name, begins, added in (step for recipe in RECIPES.values() for step in recipe):
+        file = copy / name
+        file.write_text(put(file.read_text("utf-8") if file.is_file() else "", begins, added), "utf-8")
     done = warm.run(["python", "-c", ASKED], copy, copy)
     assert not done.returncode, done.stderr
     answer: dict[str, list[object]] = json.loads(done.stdout)
@@ -182,8 +165,9 @@ def answers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[object]]
 def test_a_recipe_touches_three_files_that_its_row_names(recipe: str) -> None:
     rows = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()
     row = next(row for row in rows if row.startswith(f"| {recipe} "))
-    assert len(RECIPES[recipe]) <= 3
-    for name in RECIPES[recipe]:
+    names = {name for name, *_ in RECIPES[recipe]}
+    assert len(names) <= 3
+    for name in names:
         assert name in row or str(Path(name).parent) + "/" in row, name
 
 

@@ -77,8 +77,8 @@ class Compared(film_elements.Compared):
         place, phi = self.contact.exterior(ELECTRIC)
         compared = np.flatnonzero((np.abs(place) > _FROM) & (np.abs(place) < _TO))[::5]
         inside = solver.solve_interior(self.solved.case, place[compared], [0.0], fields=["electric_potential"])
-        both = phi[compared], inside["electric_potential"].values[0]
-        computed, expected = (np.append(values, self.contact.potential(ELECTRIC)) for values in both)
+        potentials = phi[compared], inside["electric_potential"].values[0]
+        computed, expected = (np.append(values, self.contact.potential(ELECTRIC)) for values in potentials)
         return {"potential": computed}, {"potential": expected}
 
     @property

@@ -38,7 +38,8 @@ def query(options: argparse.Namespace) -> None:
         options.output = output(options.output, options.surrogate, *filter(None, [options.table]))
     inputs = {name: axis.units for name, axis in model.box.items()}
     table = read_cases(options.table) if options.at is None else one_case("--at", options.at, inputs)
-    level = _level(model, options.level)
+    with located("--level"):
+        level = model.checked_level(options.level)
     answer = _predicted(model, table, level, extrapolate=options.extrapolate)
     if not model.calibrated:
         say(f"not calibrated: this surrogate's intervals may hold far less than {100 * level:g} %")
@@ -81,11 +82,6 @@ def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolat
     return answer
 
 
-def _level(model: GaussianProcess, level: float | None) -> float:
-    with located("--level"):
-        return model.checked_level(level)
-
-
 def study_of(model: GaussianProcess, text: str) -> "Study":
     """The study that a surrogate came from, by its name or its file."""
     from workflow.study import location  # and the solver: not for every query
@@ -115,14 +111,13 @@ def _print_answer(answer: xr.Dataset, outputs: list[str], level: float, *, si: b
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
     said = prediction_table(answer, outputs, level, si=si)
     for name in outputs:
-        exact = f"  exact {_exact(answer[f'{name}_exact'], si=si)}" if f"{name}_exact" in answer else ""
+        exact = ""
+        if f"{name}_exact" in answer:
+            solved = answer[f"{name}_exact"]
+            value, units = float(solved.values[0]), str(solved.attrs.get("units", ""))
+            scale, text = (1.0, units) if si else prefixed(abs(value), units)
+            exact = f"  exact {value / scale:.10g} {text}"
         print(one_line(f"{said[name]}{exact}").rstrip())
-
-
-def _exact(exact: xr.DataArray, *, si: bool) -> str:
-    value, units = float(exact.values[0]), str(exact.attrs.get("units", ""))
-    scale, text = (1.0, units) if si else prefixed(abs(value), units)
-    return f"{value / scale:.10g} {text}".rstrip()
 
 
 def predicted(
