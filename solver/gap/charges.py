@@ -19,6 +19,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legint, legval, legvander
 from scipy.special import erf
 
+from approximation.arrays import blocks
 from solver.arrays import Array, ComplexArray
 from solver.gap.grid import Grid, gauss
 
@@ -108,8 +109,7 @@ class Charges:
         """H of all charges, or F, at complex points z = X + iY (point,) above the surface or on it; (2, point)."""
         out: ComplexArray = np.empty((2, z.size), np.complex128)
         step = max(_TERMS_AT_ONCE // self._u.size, 1)
-        for start in range(0, z.size, step):
-            block = slice(start, start + step)
+        for block in blocks(z.size, step):
             right = self._of_side(0, z[block], integrated)
             left = self._of_side(1, -np.conj(z[block]), integrated)
             out[:, block] = right + (1 if integrated else -1) * np.conj(left)

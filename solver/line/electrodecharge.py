@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from approximation.arrays import Indices
+from approximation.arrays import Indices, blocks
 from solver.arrays import Array, ComplexArray, joined
 from solver.line.contact import FilmContact
 from solver.line.similar import Films
@@ -100,8 +100,7 @@ class _OfLine(Collected):
         self.tractions = traction_window(kind, window).read(contact).part(cases)
         self.carried: ComplexArray = np.empty((cases.size, 2, self.k.size), np.complex128)
         step = max(_CHARGES_AT_ONCE // self.k.size, 1)
-        for start in range(0, cases.size, step):
-            block = slice(start, start + step)
+        for block in blocks(cases.size, step):
             transforms = self.tractions.part(block).in_fourier_space(self.k)[..., 0]
             self.carried[block] = np.einsum("ckt,krt->crk", transforms, rows) / stack.scale[2]
 

@@ -10,6 +10,7 @@ from typing import Self
 
 import numpy as np
 
+from approximation.arrays import blocks
 from solver.arrays import Array, dot, selected, stack
 from solver.halfplane.pressing import ContactError, slopes
 from solver.halfplane.profile import Profile
@@ -88,8 +89,7 @@ def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Ar
     """Half-length [m] and c/h of every case; (case,) each."""
     count = len(loading.loads)
     half, centre = np.empty(count), np.empty(count)
-    for start in range(0, count, _CASES):
-        block = slice(start, start + _CASES)
+    for block in blocks(count, _CASES):
         part = loading.part(block)
         if half_width is None:
             half[block], centre[block] = _searched(table, part)

@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from approximation.arrays import blocks
 from approximation.chebyshev import coefficients
 from solver.arrays import Array
 from solver.cache import cached
@@ -133,15 +134,14 @@ def fields(films: Films, positions: Array) -> dict[str, Array]:
 
 def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) -> Array:
     """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x)."""
-    blocks = list(in_blocks(x, y))
-    together = max(_INSIDE // (y[blocks[0][0]].size * x[blocks[0][1]].size), 1)
+    pieces = list(in_blocks(x, y))
+    together = max(_INSIDE // (y[pieces[0][0]].size * x[pieces[0][1]].size), 1)
     out = np.empty((films.load.size, len(names), y.size, x.size))
     for places, number, contact in films.parts:
         tractions = traction_window(films.kind, number).read(contact)
         datum = np.broadcast_to(contact.datum, places.shape)
-        for start in range(0, places.size, together):
-            block = slice(start, start + together)
-            for rows, columns in blocks:
+        for block in blocks(places.size, together):
+            for rows, columns in pieces:
                 values = fields_of(tractions.part(block), x[columns], y[rows], names, datum[block])
                 out[places[block], :, rows, columns] = values
     for number, name in enumerate(names):

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import blocks
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.halfplane.interior import LINEAR, POTENTIALS, field_rows
 from solver.line.tractions import Tractions
@@ -119,11 +120,9 @@ class Interior:
         k, weights = self._wavenumbers(X)
         shares = weights / np.pi / (1j * k if integrated else 1)
         share = max(_WAVES_AT_ONCE // (min(k.size, _WAVENUMBERS_AT_ONCE) * depth.shape[1] * count * columns), 1)
-        for first in range(0, k.size, _WAVENUMBERS_AT_ONCE):
-            block = slice(first, first + _WAVENUMBERS_AT_ONCE)
+        for block in blocks(k.size, _WAVENUMBERS_AT_ONCE):
             layers = waves(stack, k[block])
-            for start in range(0, h.size, share):
-                members = slice(start, start + share)
+            for members in blocks(h.size, share):
                 top = self.tractions.part(members).in_fourier_space(k[block])
                 own_waves = self._waves(layers, k[block], top, depth[members], body[members], rows)
                 own_waves *= shares[block, None, None, None]

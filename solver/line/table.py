@@ -102,13 +102,6 @@ class Table:
         """Chebyshev coefficients of the derivatives in log h; (node, output, cause)."""
         return self.interval.derived(self.series)
 
-    @property
-    def resolved(self) -> float:
-        """Last coefficients over the largest one, the worst output: the error of reading between half-lengths."""
-        size = np.max(np.abs(self.series), axis=0)
-        tail = np.max(np.abs(self.series[-2:]), axis=0)
-        return float(np.max(tail / np.where(size > 0, size, 1.0)))
-
     def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
         """A table of the same system about one half-length: as exact as the system itself."""
         if half_length * ratio > self.system.kernel.reach / 2:

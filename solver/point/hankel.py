@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import j0, j1
 
+from approximation.arrays import blocks
 from approximation.chebyshev import legendre_rule
 from solver.arrays import Array, ComplexArray
 
@@ -30,8 +31,7 @@ def even_orders(z: Array, count: int, odd: int = 0) -> Array:
     flat = z.ravel()
     orders: Array = np.empty((count, flat.size))
     step = max(_VALUES_AT_ONCE // (2 * count), 1)
-    for start in range(0, flat.size, step):
-        block = slice(start, start + step)
+    for block in blocks(flat.size, step):
         orders[:, block] = _orders(flat[block], 2 * count - 2 + odd)[odd::2]
     return orders.reshape(count, *z.shape)
 

@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from approximation.arrays import Indices
+from approximation.arrays import Indices, blocks
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.material.constants import Material
 from solver.point import hankel
@@ -50,8 +50,8 @@ class Inside:
                 "take magnetic_field_x, or a base that is grounded"
             )
         if (count := tractions.ratio.size) > _COLUMNS:
-            blocks = [np.arange(first, min(first + _COLUMNS, count)) for first in range(0, count, _COLUMNS)]
-            return np.concatenate([self.fields(tractions.part(block), X, Y, names) for block in blocks])
+            parts = [tractions.part(np.arange(count)[block]) for block in blocks(count, _COLUMNS)]
+            return np.concatenate([self.fields(part, X, Y, names) for part in parts])
         out = np.zeros((tractions.ratio.size, len(names), Y.size, X.size))
         ratios, which = np.unique(tractions.ratio, return_inverse=True)
         closed = np.zeros((which.size, Y.size), dtype=bool)
@@ -138,8 +138,7 @@ class Inside:
                 rows_of_parts, level = self.rows(number, names), 8 * columns.size
                 step = min(max(_ENTRIES // (level * rows.size), 8), _STEP_IN_K)
                 depths = max(_ENTRIES // (8 * level), 1)
-                for first in range(0, k.size, step):
-                    waves = slice(first, first + step)
+                for waves in blocks(k.size, step):
                     block = Block(self.stack, tractions, columns, k[waves], weights[waves] * k[waves] * ratio**2)
                     for low, left in product(range(0, rows.size, depths), range(0, X.size, _PLACES)):
                         chosen, along = rows[low : low + depths], np.arange(left, min(left + _PLACES, X.size))

@@ -47,8 +47,10 @@ class PointKind:
 
     @property
     def compliance(self) -> Array:
-        """N of the contact in the units of the stack; (3, 3)."""
-        return _contact_compliance(surface(self.film.stack())[1:, 1:], self)
+        """N of body and punch in the units of the stack, without fields that the punch does not conduct; (3, 3)."""
+        total = np.array(surface(self.film.stack())[1:, 1:])
+        total[0, 0] += self.punch / self.scale[1] ** 2
+        return conducted(total, np.array(self.conducts))
 
     def stiffness(self, added: Array) -> Stiffness:
         """Stiffness of the half-space and the layers' contribution to loads, edges and rates (..., 3, 3, 4)."""
@@ -57,13 +59,6 @@ class PointKind:
             np.broadcast_to(bare.compliance, (*added.shape[:-3], 3, 3)),
             bare.loads + added[..., 0, :, :], bare.edges + added[..., 1, :, :], added[..., 2, :, :],
         )  # fmt: skip
-
-
-def _contact_compliance(compliance: Array, kind: PointKind) -> Array:
-    """N of the body and the punch, without the fields that the punch does not conduct; (3, 3)."""
-    total = np.array(compliance)
-    total[0, 0] += kind.punch / kind.scale[1] ** 2
-    return conducted(total, np.array(kind.conducts))
 
 
 @dataclass(frozen=True, eq=False)
