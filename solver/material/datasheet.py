@@ -83,6 +83,7 @@ def converted(mapping: Mapping[str, object]) -> dict[str, object]:
     for name in ("c11", "c12", "c13", "c33", "c44", "e31", "e33", "e15", "eps11", "eps33"):
         if name in mapping:
             values[name] = _number(name, mapping[name])
+    _check_relative(mapping)
     entries = _entries_of_matrices(mapping, values)
     if {"d", "s"} & mapping.keys():  # strain-charge form: the permittivity is that at constant stress
         entries = {name.replace("eps", "eps_T"): value for name, value in entries.items()}
@@ -161,9 +162,22 @@ def _number(name: str, value: object) -> float:
     size = abs(number)
     if usual and size and not usual.low <= size <= usual.high:
         likely = (usual.above if size > usual.high else usual.below).format(number, number)
-        meant = f"; did you mean {likely}?" if likely else ""
+        meant = f"; did you mean {likely}?" if likely and not isinstance(value, str) else ""
         raise ValueError(f"{name}: {number:g} {unit} is of a size that no material has{meant}")
     return number
+
+
+def _check_relative(mapping: Mapping[str, object]) -> None:
+    """Refuse a relative permittivity of a strain-charge sheet as ``eps33``, which is at constant strain."""
+    if {"d", "d31", "d33", "d15"}.isdisjoint(mapping):
+        return
+    for name in ("eps11", "eps33"):
+        value = mapping.get(name)
+        if isinstance(value, int | float) and value > _USUAL["eps_T33"].high:
+            raise ValueError(
+                f"{name}: {value:g} beside charge constants d: a sheet's relative permittivity, at constant stress, is "
+                f"eps_r{name[-2:]}: {value:g}; {name} is in F/m at constant strain"
+            )
 
 
 def _one_of(values: Mapping[str, float], *forms: tuple[str, ...]) -> None:

@@ -207,6 +207,8 @@ def test_matrices_of_both_orders_are_read(order: str) -> None:
 @pytest.mark.parametrize(
     ("entries", "message"),
     [
+        (PZT_5A | {"eps33": 1700}, r"eps33: 1700 beside charge constants d: .* is eps_r33: 1700;"),
+        (PZT_5A | {"d15": "584 uC/N"}, r"d15: 0\.000584 C N-1 is of a size that no material has$"),
         (PZT_5A | {"s11": 16.4}, r"s11: 16.4 Pa-1 is of a size that no material has; did you mean 16.4e-12 m2/N\?"),
         (PZT_5A | {"d33": 374}, r"d33: 374 C N-1 .* did you mean 374 pC/N\?"),
         (PZT_5A | {"eps_r33": 15e-9}, "eps_r33: 1.5e-08 1 .*eps_T11"),
