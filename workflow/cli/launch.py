@@ -30,6 +30,8 @@ def run(options: argparse.Namespace) -> int:
         )
     name = location.given(options.study)
     study = studies.named(name)
+    if other := studies.pressed(study):
+        _check_results(other.path.stem)
     for line in study.defaults:
         say(line)
     _check_results(name)

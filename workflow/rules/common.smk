@@ -12,7 +12,7 @@ from workflow.design.wording import unreached
 from workflow.report import sections as page_sections
 from workflow.run import lock, provenance
 from workflow.run.interpreter import quote_interpreter
-from workflow.study import configuration, consistency, coupling, location, partition, planned
+from workflow.study import configuration, coupling, location, partition, planned
 from workflow.study import model as studies
 from workflow.study.contents import BOX, PHYSICS
 from workflow.study.sections import CHECK_GROUPS
@@ -73,17 +73,18 @@ def sections(*names):
     return lambda wildcards: planned.parameter(study_of(wildcards), *(name.format(**wildcards) for name in names))
 
 
-def pressed_named(study):
-    """The study whose design is pressed in time, where it is another one than this; None without one."""
-    if not (study.signal and study.signal.study):
-        return None
-    STUDIES.add(study.signal.study)
-    other = study_named(study.signal.study)
+def presses_other(study):
+    """Whether the design that is pressed in time is that of another study, which this run then makes as well."""
+    name = study.signal.study if study.signal else ""
+    if not name:
+        return False
     try:
-        consistency.check_pressed(other, study.signal.design)
-    except ValueError as error:
-        raise WorkflowError(f"{other.path}: {error}")
-    return other
+        if not workflow.remote_exec:
+            studies.pressed(study)
+    except studies.InputError as error:
+        raise WorkflowError(str(error))
+    STUDIES.add(name)
+    return True
 
 
 def states_of(name):
@@ -92,7 +93,7 @@ def states_of(name):
     labels = [*study.design, *study.readout, ""]
     filled = {tuple(part.format(name=label, group="") for part in names) for names in SECTIONS for label in labels}
     states = {planned.parameter(study, *names) for names in filled}
-    return states | states_of(study.signal.study) if pressed_named(study) else states
+    return states | states_of(study.signal.study) if presses_other(study) else states
 
 
 def final_files_of(name):
@@ -109,14 +110,14 @@ def designs_of(wildcards):
 def pressed_of(wildcards):
     """The answer whose punch is pressed in time."""
     study = study_of(wildcards)
-    pressed_named(study)
+    presses_other(study)
     return f"results/{study.signal.study or wildcards.study}/design/{study.signal.design}.nc"
 
 
 def opening_of(wildcards):
     """What was solved of the design of another study that stands first on the page."""
     study = study_of(wildcards)
-    return [f"results/{study.signal.study}/solved.json"] if pressed_named(study) else []
+    return [f"results/{study.signal.study}/solved.json"] if presses_other(study) else []
 
 
 def levels_of(wildcards):

@@ -47,6 +47,13 @@ def given(text: str) -> str:
     return path.stem
 
 
+def beside(name: str, study: Path) -> str:
+    """A study that the file of another names: of ``config/`` here, beside that file, or one of the program."""
+    check_name(name, repr(name))
+    sibling = study.parent / f"{name}.yaml"
+    return given(str(sibling) if name not in files(FOLDER) and sibling.is_file() else name)
+
+
 def address(name: str) -> str:
     """The file of a study as an address: plain letters in every shell's words and in YAML, whatever its path holds."""
     return location(name).absolute().as_uri()

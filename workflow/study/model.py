@@ -13,9 +13,9 @@ from pydantic import ValidationError, model_validator
 from solver import Material
 from workflow.language.renamed import renamed_study
 from workflow.study import defaults, layered
-from workflow.study.consistency import check_quantities
+from workflow.study.consistency import check_pressed, check_quantities
 from workflow.study.contents import Contents, Origin
-from workflow.study.location import location
+from workflow.study.location import beside, location
 from workflow.study.reading import InputError, first_problem, read_material, read_yaml
 from workflow.study.solvable import (
     check_contact,
@@ -72,6 +72,18 @@ class Study(Contents):
             self._absent, self._hanging = self._origin.absent, self._origin.hanging
         check_quantities(self)
         return self
+
+
+def pressed(study: Study) -> Study | None:
+    """The other study whose design a study's section ``signal`` presses; None where it presses its own, or none."""
+    if study.signal is None or not study.signal.study:
+        return None
+    try:
+        other = named(beside(study.signal.study, study.path))
+        check_pressed(other, study.signal.design)
+    except ValueError as error:
+        raise InputError(f"{study.path}: signal: {str(error).removeprefix('signal: ')}") from None
+    return other
 
 
 def named(name: str) -> Study:

@@ -46,12 +46,8 @@ def study(job: "Snakemake") -> Study:
 def pressed(job: "Snakemake", study: Study) -> Study:
     """The study whose design is pressed in a study's section ``signal``: itself, or another as it was planned with."""
     assert study.signal is not None
-    other = study.signal.study
-    if not other:
-        return study
-    return begun(other, lock.results(job.wildcards.study, Path(job.output[0]))) or partition.with_slabs(
-        studies.named(other)
-    )
+    results = lock.results(job.wildcards.study, Path(job.output[0]))
+    return (study.signal.study and begun(study.signal.study, results)) or studies.pressed(study) or study
 
 
 def begun(name: str, results: str | Path) -> Study | None:

@@ -289,6 +289,9 @@ def test_a_ball_on_a_film_has_the_figures_of_its_page() -> None:
 
 
 def test_the_quickstarts_ball_is_recommended_with_room(quickstart_run: Project) -> None:
+    page = (quickstart_run.folder / "results/quickstart/report.html").read_text(encoding="utf-8")
+    titles = ["A ball on a film, read by a charge amplifier <span", "Largest voltage per load <span"]
+    assert 0 < page.index(titles[0]) < page.index(titles[1])
     answer = netcdf.read(quickstart_run.folder / "results/ball/design/ball.nc")
     assert words.verdict(answer).kind == "recommended"
     ratios = [effect.left_out_ratio for effect in answer.left_out if np.isfinite(effect.left_out_ratio)]

@@ -19,6 +19,8 @@ from workflow.language import numbers
 from workflow.report import sentences, tables
 from workflow.report.figures import signal_in_time
 from workflow.study import load
+from workflow.study.model import pressed as pressed_study
+from workflow.study.reading import InputError
 from workflow.study.sections import Pressing
 
 STUDY = """\
@@ -129,6 +131,27 @@ def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
 )
 def test_a_press_that_cannot_be_is_refused(text: str, old: str, new: str, words: str) -> None:
     assert words in refusal(edited(text, old, new))
+
+
+@pytest.mark.parametrize(
+    ("named", "words"),
+    [
+        ("bal", r"mine\.yaml: signal: study: 'bal' is unknown: .*; did you mean 'ball'\?"),
+        ("../ball", r"mine\.yaml: signal: '\.\./ball': a study's file must be named with"),
+        ("other", r"mine\.yaml: signal: design: 'ball' is not a design target; known are touch"),
+        ("film", r"mine\.yaml: signal: design: 'ball' is not a design target; known are "),
+    ],
+)
+def test_a_design_of_another_study_that_cannot_be_is_refused(
+    named: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MEECONTACT_STUDIES", "{}")
+    monkeypatch.chdir(tmp_path)
+    study = edited(STUDY, "signal: {design: touch", f"signal: {{study: {named}, design: ball")
+    Path("mine.yaml").write_text(study, encoding="utf-8")
+    Path("other.yaml").write_text(STUDY, encoding="utf-8")  # beside it; film comes with the program
+    with pytest.raises(InputError, match=words):
+        pressed_study(load("mine.yaml"))
 
 
 @pytest.mark.parametrize(
