@@ -162,7 +162,8 @@ def _number(name: str, value: object) -> float:
     size = abs(number)
     if usual and size and not usual.low <= size <= usual.high:
         likely = (usual.above if size > usual.high else usual.below).format(number, number)
-        meant = f"; did you mean {likely}?" if likely and not isinstance(value, str) else ""
+        as_written = not isinstance(value, str) or value.startswith(f"{number:g}")  # no prefix has changed it
+        meant = f"; did you mean {likely}?" if likely and as_written else ""
         raise ValueError(f"{name}: {number:g} {unit} is of a size that no material has{meant}")
     return number
 
