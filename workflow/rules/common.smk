@@ -87,13 +87,15 @@ def presses_other(study):
     return True
 
 
-def states_of(name):
-    """The parameters of all rules of a study, by which jobs know the files that they read, of another too."""
+def states_of(name, others=True):
+    """The parameters of all rules of a study and of the other that it presses, by which jobs know files that they read."""
     study = study_named(name)
     labels = [*study.design, *study.readout, ""]
     filled = {tuple(part.format(name=label, group="") for part in names) for names in SECTIONS for label in labels}
     states = {planned.parameter(study, *names) for names in filled}
-    return states | states_of(study.signal.study) if presses_other(study) else states
+    if others and presses_other(study):  # two studies may press each other's designs
+        states |= states_of(study.signal.study, others=False)
+    return states
 
 
 def final_files_of(name):
