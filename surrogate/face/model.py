@@ -114,8 +114,8 @@ class GaussianProcess(ABC):
         """Number of parts that the variance is the sum of."""
 
     @abstractmethod
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and variances, (p, B) each; without weights of the variance's parts, (parts, p), no variance."""
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
+        """Return means and variances, (p, B) each; these are zero without weights of their parts, (parts, p)."""
 
     @abstractmethod
     def slopes(self, t: Array) -> Array:
@@ -309,9 +309,9 @@ class GaussianProcess(ABC):
         ValueError
             Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
         """
-        named, parts = self._asked(points, return_std, extrapolate)
-        said = ("", "{}"), ("_std", "standard deviation of {}")
-        return self._labelled(named, dict(zip(said, parts, strict=False)), extrapolate)
+        named, mean, std = self._asked(points, return_std, extrapolate)
+        deviations = {("_std", "standard deviation of {}"): std} if return_std else {}
+        return self._labelled(named, {("", "{}"): mean, **deviations}, extrapolate)
 
     @overload
     def predict_array(
@@ -342,7 +342,7 @@ class GaussianProcess(ABC):
             The points have a wrong shape.
         """
         mean, std = self._answers(self._plain(X), return_std, extrapolate)
-        return (mean.T, std.T) if std is not None else mean.T
+        return (mean.T, std.T) if return_std else mean.T
 
     def _plain(self, X: NDArray[np.floating[Any]]) -> Array:
         """Plain points, (n, d), NaN where a cell is masked; ValueError for another shape."""
@@ -411,11 +411,11 @@ class GaussianProcess(ABC):
 
             raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
-    def _asked(self, points: Queries, with_std: bool, extrapolate: bool) -> tuple[Points, list[Array]]:
+    def _asked(self, points: Queries, with_std: bool, extrapolate: bool) -> tuple[Points, Array, Array]:
         """Points by name, and means and, if wanted, standard deviations there, (p, n) each."""
         self._require_fitted()
         named = named_points(points, self.inputs_)
-        return named, [part for part in self._answers(named.X, with_std, extrapolate) if part is not None]
+        return named, *self._answers(named.X, with_std, extrapolate)
 
     def _labelled(
         self,
@@ -455,16 +455,16 @@ class GaussianProcess(ABC):
                 return answer
             forms[kind] = answer
         copied = forms[kind].copy(data=values)
-        for name, coord in named.coords.items():
-            copied.variables[name].values = coord.values
+        for label, coordinate in named.coords.items():
+            copied.variables[label].values = coordinate.values
         return copied
 
-    def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
+    def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array]:
         """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
         if not extrapolate:
             require_inside(X, self.inputs_)
         mean, std = self.all_mean_std(X, return_std)
-        return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)
+        return mean, np.where(std < SMALLEST, 0.0, std)
 
     def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:
         """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
@@ -506,7 +506,7 @@ class GaussianProcess(ABC):
         True
         """
         level = self.checked_level(level)
-        named, (mean, std) = self._asked(points, True, extrapolate)
+        named, mean, std = self._asked(points, True, extrapolate)
         return self._labelled(named, self._ends(level, mean, std, "{}"), extrapolate)
 
     def _ends(self, level: float, mean: Array, std: Array, what: str) -> dict[tuple[str, str], Array]:
@@ -545,7 +545,7 @@ class GaussianProcess(ABC):
         most = (1 + self.distribution.highest_level()) / 2
         for probability in probabilities[~((1 - most <= probabilities) & (probabilities <= most))]:
             raise ValueError(f"q {probability:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
-        named, (mean, std) = self._asked(points, True, extrapolate)
+        named, mean, std = self._asked(points, True, extrapolate)
         values = mean[:, None] + self.distribution.quantile(probabilities).T[..., None] * std[:, None]
         coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
         quantiles = self._labelled(named, {("", "{}"): values}, extrapolate, ("quantile",))
@@ -600,22 +600,18 @@ class GaussianProcess(ABC):
         lower, upper = (mean + deviations * std for deviations in self.distribution.ends(level))
         return lower, upper
 
-    def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+    def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array]:
         """Return the same as `mean_std` at any number of points (n, d), block by block: (p, n) each."""
         mean = np.empty((len(self.outputs_), len(X)))
-        std = np.empty_like(mean) if with_std else None
+        std = np.empty_like(mean)
         for block in blocks(len(X), BLOCK):
-            mean[:, block], deviation = self.mean_std(X[block], with_std)
-            if std is not None and deviation is not None:
-                std[:, block] = deviation
+            mean[:, block], std[:, block] = self.mean_std(X[block], with_std)
         return mean, std
 
-    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array]:
         """Return means and, if wanted, calibrated standard deviations at physical points (B, d): (p, B) each."""
-        t, calibration = unit_coordinates(self.inputs_, X), self.calibration_
+        t, calibration = unit_coordinates(self.inputs_, X), self.calibration_ if with_std else None
         mean, variance = self.mean_variance(t, self._weights() if with_std else None)
-        if not with_std or variance is None:
-            return mean, None
         return mean, np.sqrt(variance) if calibration is None else calibration.std(variance, t)
 
     def means(self, t: Array) -> Array:
@@ -628,8 +624,7 @@ class GaussianProcess(ABC):
 
     def variance(self, t: Array, weights: Array) -> Array:
         """Return the variance of `mean_variance`, (p, B)."""
-        variance = self.mean_variance(t, weights)[1]
-        return np.zeros((len(self.outputs_), t.shape[1])) if variance is None else variance
+        return self.mean_variance(t, weights)[1]
 
     def physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
         """Return derivatives by physical inputs at points (n, d), (d, p, n), of a function that gives scaled ones.
