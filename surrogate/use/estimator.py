@@ -128,7 +128,8 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         levels = [np.unique(column) for column in columns.T]
         if self.inputs is not None:
             names = [input_.name for input_ in self.inputs]
-        scattered = self.design == "scattered" or (self.design == "auto" and not self._spread(names, levels)[0])
+        shift = None if self.design == "scattered" else self._moved(names, levels)
+        scattered = self.design == "scattered" or (self.design == "auto" and shift is None)
         places = None if scattered else _places(columns, levels)
         if places is None:
             columns, values, weights = _once(columns, values, weights)
@@ -142,7 +143,7 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
             places = _some_places(columns, levels)
             if places is None:
                 _warn_of_doubles(names, columns)
-        self.shift_ = np.zeros(len(names))
+        self.shift_ = np.zeros(len(names)) if places is None or shift is None else shift
         if places is None:
             self.model_ = self._scattered(names, columns, values, weights)
         else:
@@ -190,30 +191,24 @@ class FactorialRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):  # ty
         outputs = _outputs(names, values)
         data = xr.Dataset(
             {name: (names, column.reshape(sizes)) for name, column in zip(outputs, ordered.T, strict=True)},
-            coords=dict(zip(names, levels, strict=True)),
+            coords={name: along - by for name, along, by in zip(names, levels, self.shift_, strict=True)},
         )
-        self.shift_ = self._spread(names, levels)[1]
-        data = data.assign_coords({name: data[name] - offset for name, offset in zip(names, self.shift_, strict=True)})
 
         def made() -> GridGP:
             return GridGP(self.inputs, outputs)
 
         return fit_with_missing(made, data, missing.reshape(sizes)) if missing.any() else made().fit(data)
 
-    def _spread(self, names: list[str], levels: list[Array]) -> tuple[bool, Array]:
-        """Return whether levels less a shift are Chebyshev-Gauss levels, of `inputs` or of any range, and the shift."""
-        grid, none = xr.Dataset(coords=dict(zip(names, levels, strict=True))), np.zeros(len(names))
-        if follows_chebyshev(grid, names, self.inputs):
-            return True, none
+    def _moved(self, names: list[str], levels: list[Array]) -> Array | None:
+        """The shift of levels from Chebyshev-Gauss levels, of `inputs` or of any range; None where they are none."""
+        shifts = [np.zeros(len(names))]
         if self.inputs is None:
-            shift = np.array([_shift(values_of_factor) for values_of_factor in levels])
-            moved = {
-                name: values_of_factor - offset
-                for name, values_of_factor, offset in zip(names, levels, shift, strict=True)
-            }
-            if follows_chebyshev(xr.Dataset(coords=moved), names, None):
-                return True, shift
-        return False, none
+            shifts.append(np.array(list(map(_shift, levels))))
+        for shift in shifts:
+            coords = {name: along - by for name, along, by in zip(names, levels, shift, strict=True)}
+            if follows_chebyshev(xr.Dataset(coords=coords), names, self.inputs):
+                return shift
+        return None
 
     def _scattered(self, names: list[str], columns: Array, values: Array, weights: Array) -> GaussianProcess:
         outputs = _outputs(names, values)

@@ -17,6 +17,7 @@ Biometrika 55 (1968) 119).
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_solve
@@ -118,22 +119,18 @@ class Residuals:
         state, odds = self._with_amplitude(state, misfit, noisy, random)
         state = self._with_lengths(state, misfit, noisy, random)
         covariance_rest = shared + (np.exp(state.amplitude) * self.size) ** 2 * self._smooth(state.lengths[None])[0]
-        wider = WILD[state.wild] ** 2
-        if self.unknown.any():
-            levels = _lattice(state.loose, _NOISES, _LATTICE_STEPS["loose"], random)
-            extra = np.where(self.unknown, self.size**2 * wider, 0) * np.exp(2 * levels)[:, None]
-            likely = _densities(
-                _with_diagonals(covariance_rest, self.spread + wider * self._stated(state) + extra), misfit
-            )
-            state = replace(state, loose=float(levels[_pick(likely, random)]))
-        if not self.unknown.all():
-            levels = _lattice(state.scale, _SCALES, _LATTICE_STEPS["scale"], random)
-            stated = wider * self.stated * np.exp(2 * levels)[:, None]
-            likely = _densities(
-                _with_diagonals(covariance_rest, self.spread + wider * self._loose(state) + stated), misfit
-            )
-            likely -= (FREEDOM + 1) / 2 * np.log1p((levels / TRUST) ** 2 / FREEDOM)
-            state = replace(state, scale=float(levels[_pick(likely, random)]))
+        for name, ends, members in (("loose", _NOISES, self.unknown), ("scale", _SCALES, ~self.unknown)):
+            if not members.any():
+                continue
+            current = getattr(state, name)
+            levels = _lattice(current, ends, _LATTICE_STEPS[name], random)
+            errors = WILD[state.wild] ** 2 * self._plain(state) * np.exp(2 * (levels - current))[:, None]
+            noise = np.where(members, self.spread + errors, self._noise(state))
+            likely = _densities(_with_diagonals(covariance_rest, noise), misfit)
+            if name == "scale":
+                likely -= (FREEDOM + 1) / 2 * np.log1p((levels / TRUST) ** 2 / FREEDOM)
+            drawn: dict[str, Any] = {name: float(levels[_pick(likely, random)])}
+            state = replace(state, **drawn)
         return replace(state, wild=self._wild(state, misfit, covariance_rest, random)), odds
 
     def completed(self, state: State, chosen: Indices, mean: Array, random: np.random.Generator) -> State:
@@ -201,15 +198,10 @@ class Residuals:
             left = left[first + 1 :]
         return wild
 
-    def _stated(self, state: State) -> Array:
-        return np.asarray(self.stated * np.exp(2 * state.scale))
-
-    def _loose(self, state: State) -> Array:
-        return np.where(self.unknown, (np.exp(state.loose) * self.size) ** 2, 0.0)
-
     def _plain(self, state: State) -> Array:
         """Variances of measurement of values that are no outliers."""
-        return self._stated(state) + self._loose(state)
+        loose = (np.exp(state.loose) * self.size) ** 2
+        return np.where(self.unknown, loose, self.stated * np.exp(2 * state.scale))
 
     def _noise(self, state: State) -> Array:
         return np.asarray(self.spread + WILD[state.wild] ** 2 * self._plain(state))
