@@ -88,12 +88,7 @@ class Input:
     def to_unit(self, value: ArrayLike) -> Array:
         """Map physical values to the scaled coordinate, -1 at `low` and 1 at `high`; any shape."""
         value = np.asarray(unmasked(value), dtype=np.float64)
-        if self.scale == "log":
-            return np.asarray(2 * np.log(value / self.low) / np.log(self.high / self.low) - 1)
-        if self.scale == "logit":
-            low, high = _logit(self.low), _logit(self.high)
-            return np.asarray(2 * (_logit(value) - low) / (high - low) - 1)
-        return 2 * (value - self.low) / (self.high - self.low) - 1
+        return unit_coordinates((self,), value.reshape(-1, 1)).reshape(value.shape)
 
     def from_unit(self, unit: ArrayLike) -> Array:
         """Map scaled coordinates to physical values; any shape. The ends are met exactly."""

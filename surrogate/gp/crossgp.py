@@ -233,6 +233,7 @@ class CrossGP(GridGP):
         if unknown or not crossed or set(levels) != set(names):
             raise ValueError(f"crossed and levels must name inputs, {', '.join(names)}, got {', '.join(unknown)}")
         self.levels, self.crossed, self.tolerance, self.most = dict(levels), tuple(crossed), tolerance, most
+        self._box = dict(zip(names, inputs, strict=True))
 
     @property
     def whole(self) -> tuple[str, ...]:
@@ -257,11 +258,11 @@ class CrossGP(GridGP):
         if X is not None and isinstance(crossed, Crossed):
             error = ("output", crossed.error, {"long_name": "largest error over range at fresh places"})
             return xr.Dataset({"error": error}, {"output": self._names(X)})
-        columns = [(self._input(name), index) for name, index in zip(self.crossed, np.asarray(crossed).T, strict=True)]
+        columns = zip(self.crossed, np.asarray(crossed).T, strict=True)
         return xr.Dataset(
             {
-                input_.name: (PLACE, input_.levels(self.levels[input_.name])[index], input_.attrs)
-                for input_, index in columns
+                name: (PLACE, self._box[name].levels(self.levels[name])[index], self._box[name].attrs)
+                for name, index in columns
             }
         )
 
@@ -281,15 +282,13 @@ class CrossGP(GridGP):
         crossed = run(self._steps(), self.blocks(X))
         if not isinstance(crossed, Crossed):
             raise ValueError(f"{len(crossed)} places are still to be solved; `ask` names them")
-        assert self.inputs is not None
-        self.inputs_ = tuple(self.inputs)
-        self.levels_ = tuple(input_.levels(self.levels[input_.name]) for input_ in self.inputs)
+        self.inputs_ = tuple(self._box.values())
+        self.levels_ = tuple(input_.levels(self.levels[name]) for name, input_ in self._box.items())
         self.outputs_ = tuple(self._names(X))
         self.attrs_ = {name: text_attrs(X[name]) for name in self.outputs_}
         self.calibration_ = self.correction_ = None
         self.cases_ = int(crossed.entries * np.prod([self.levels[name] for name in self.whole]))
-        names = [input_.name for input_ in self.inputs]
-        self.order_ = tuple(names.index(name) for name in (*self.crossed, *self.whole))
+        self.order_ = tuple(list(self._box).index(name) for name in (*self.crossed, *self.whole))
         self.error_ = dict(zip(self.outputs_, crossed.error.tolist(), strict=True))
         self.places_ = crossed.entries
         self._standardise(self._train(crossed), crossed)
@@ -300,10 +299,6 @@ class CrossGP(GridGP):
 
     def _names(self, X: xr.Dataset) -> list[str]:
         return output_names(X, self.outputs, exclude=tuple(self.levels))
-
-    def _input(self, name: str) -> Input:
-        assert self.inputs is not None
-        return next(input_ for input_ in self.inputs if input_.name == name)
 
     def blocks(self, X: xr.Dataset) -> dict[tuple[int, ...], Array]:
         """Return the cases of every place, (b, p), by the place's indices among the levels; ValueError as for `fit`."""
@@ -323,7 +318,7 @@ class CrossGP(GridGP):
 
     def _index(self, name: str, values: Array) -> Indices:
         """The level of every value; ValueError for one that is none."""
-        axis = self._input(name)
+        axis = self._box[name]
         levels, unit = axis.to_unit(axis.levels(self.levels[name])), axis.to_unit(values)
         nearest = np.abs(unit[:, None] - levels).argmin(axis=1)
         mismatched = np.abs(unit - levels[nearest]) > LEVEL_TOLERANCE

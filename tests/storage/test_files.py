@@ -26,15 +26,6 @@ WRITERS: dict[str, Callable[[Path], None]] = {
 }
 
 
-def test_a_failed_write_leaves_the_old_file_alone(tmp_path: Path) -> None:
-    path = tmp_path / "a.txt"
-    write_text(path, "old")
-    with pytest.raises(UnicodeEncodeError):
-        write_text(path, "new \ud800")
-    assert path.read_text(encoding="utf-8") == "old"
-    assert list(tmp_path.iterdir()) == [path]
-
-
 @pytest.mark.parametrize(("mask", "mode"), [(0o022, 0o644), (0o077, 0o600)])
 def test_a_text_has_the_permissions_of_any_new_file_and_of_a_netcdf_file(mask: int, mode: int, tmp_path: Path) -> None:
     before = os.umask(mask)

@@ -184,8 +184,8 @@ class CurveGP(Transformed):
 
     def _size_of(self, name: str) -> str:
         """Name of the size that an output scales by, empty where there is none."""
-        largest = self.largest[name]
-        return self.curves[largest.curves].sizes[max(largest.place, 0)]
+        largest = self.largest.get(name)
+        return self.curves[largest.curves].sizes[max(largest.place, 0)] if largest else ""
 
     def _size(self, name: str, smooth: Array) -> Array:
         """Values that an output scales by, (B,), of smooth outputs (q, B)."""
@@ -224,11 +224,7 @@ class CurveGP(Transformed):
 
     def _spread(self, smooth: Array) -> Array:
         """Every output's standard deviation over that of its witness, from smooth outputs (q, B): (p, B)."""
-        out = np.ones((len(self.outputs), smooth.shape[1]))
-        for k, name in enumerate(self.outputs):
-            if name in self.largest:
-                out[k] = self._typical(name) * self._size(name, smooth)
-        return out
+        return np.stack([self._typical(name) * self._size(name, smooth) for name in self.outputs])
 
     def _typical(self, name: str) -> float:
         """The same where the output's size is one."""

@@ -3,61 +3,16 @@
 import numpy as np
 import pytest
 import xarray as xr
-from numpy.polynomial.chebyshev import chebval, chebval2d
+from numpy.polynomial.chebyshev import chebval
 
 from surrogate import GridGP
 from surrogate.gp import correction, imputation
-from surrogate.gp.correction import Correction, correct, degrees
+from surrogate.gp.correction import correct, degrees
 from surrogate.gp.factors import Factor
-from surrogate.intervals.guard import places, sharing
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 
 COUNTS = (24, 8, 6, 8, 4)
-
-
-def test_terms_have_no_more_parts_along_shared_factors_than_places_allow() -> None:
-    rho = (0.3, 1e-3, 0.02, 0.05, 1e-3)
-    free, bound = degrees(rho, 3000), degrees(rho, 3000, [100, 3000, 3000, 100, 3000])
-    assert free is not None
-    assert bound is not None
-    # 100 places bear 14 terms, which are T_n of either factor and of the others with the same parts
-    parts = {(row[0], row[3]) for row in bound.tolist()}
-    assert len(parts) == 100 // 7 // 3
-    assert {tuple(row) for row in bound.tolist()} <= {tuple(row) for row in free.tolist()} | {(0,) * 5}
-    wanted = [tuple(row) for row in free.tolist() if (row[0], row[3]) in parts]
-    assert {tuple(row) for row in bound.tolist()} >= set(wanted)
-    only = degrees(rho, 3000, [10, 3000, 3000, 10, 3000])
-    assert only is not None
-    assert {(row[0], row[3]) for row in only.tolist()} == {(0, 0)}
-
-
-def test_slow_decay_does_not_fill_the_memory() -> None:
-    result = degrees((0.95,) * 6, 10**9)
-    assert result is None or len(result) * 6 <= correction.MOST_TERMS
-
-
-def test_an_error_of_its_own_kind_is_found_and_evaluated() -> None:
-    rng = np.random.default_rng(0)
-    levels, rho = (9, 5), (0.2, 0.1)
-    t = rng.uniform(-1, 1, (2, 400))
-    terms = degrees(rho, 400)
-    assert terms is not None
-    coefficients = rng.normal(size=(2, len(terms), 3))
-    error = np.zeros((3, 400))
-    for f, n in enumerate(levels):
-        tensor = np.zeros((*(terms.max(axis=0) + 1), 3))
-        tensor[tuple(terms.T)] = coefficients[f]
-        error += chebval(t[f], np.eye(n + 1)[n]) * chebval2d(t[0], t[1], tensor)
-    correction_, left = correct(error, t, levels, rho, np.arange(t.shape[1]))
-    assert correction_ is not None
-    np.testing.assert_allclose(Correction(levels, terms, coefficients).values(t), error, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(correction_.values(t), error, rtol=0, atol=1e-10)
-    assert np.abs(left).max() < 1e-9
-    step = 1e-6
-    for k, slope in enumerate(correction_.slopes(t)):
-        up, down = (correction_.values(t + sign * step * np.eye(2)[k][:, None]) for sign in (1, -1))
-        np.testing.assert_allclose(slope, (up - down) / (2 * step), rtol=0, atol=1e-7 * np.abs(slope).max())
 
 
 @pytest.mark.parametrize("weighted", [False, True])
@@ -110,17 +65,6 @@ def test_an_error_that_no_term_explains_leaves_the_mean_alone() -> None:
     assert correction_ is not None
     assert not correction_.coefficients.any()
     np.testing.assert_array_equal(left, error)
-
-
-def test_cases_that_share_inputs_are_one_group() -> None:
-    rng = np.random.default_rng(4)
-    shared, distinct = np.repeat(rng.uniform(size=(2, 6)), 5, axis=1), rng.uniform(size=(2, 30))
-    groups = sharing(np.concatenate([shared, distinct]))
-    assert [len(set(part)) for part in np.split(groups, 6)] == [1] * 6
-    assert len(set(groups)) == 6
-    assert len(set(sharing(distinct))) == 30
-    assert places(np.concatenate([shared, distinct]), groups).tolist() == [6, 6, 30, 30]
-    assert places(distinct, sharing(distinct)).tolist() == [30, 30]
 
 
 def test_few_cases_leave_the_mean_alone() -> None:

@@ -59,20 +59,6 @@ def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedG
     assert with_ends.distribution.highest_level() == 1 - 2 / 1501
 
 
-def test_a_query_alone_has_the_guard_of_the_box(with_ends: GroupedGP) -> None:
-    points = cases(30, 13, to_ends=60)
-    X = np.stack([points[input_.name].values for input_ in INPUTS], axis=1)
-    for parts in zip(
-        with_ends.interval_array(X), zip(*map(with_ends.interval_array, X[:, None]), strict=True), strict=True
-    ):
-        np.testing.assert_allclose(np.concatenate(parts[1]), parts[0], rtol=1e-12)
-    calibration = with_ends.calibration_
-    assert calibration is not None
-    assert calibration.outer is not None
-    assert calibration.outer.pooled is not None
-    assert calibration.outer.pooled.max() > 0
-
-
 def test_a_guard_of_other_inputs_is_refused(with_ends: GroupedGP) -> None:
     outer = with_ends.reduced_.calibration_
     assert outer is not None

@@ -209,22 +209,6 @@ def test_a_weight_counts_as_so_many_cases() -> None:
         FactorialRegressor().fit(X, y, np.eye(40)[0])
 
 
-def test_what_a_weight_means_is_noise_of_so_many_times_less_variance() -> None:
-    """Weights of noise that is known: the mean is that of a process with these noises, by dense linear algebra."""
-    random = np.random.default_rng(3)
-    X, weights = np.sort(random.uniform(-1, 1, (60, 1)), axis=0), random.uniform(0.2, 5, 60)
-    y = np.sin(3 * X[:, 0]) + 0.2 * random.normal(size=60) / np.sqrt(weights)
-    model = FactorialRegressor(design="scattered").fit(X, y, weights).model_
-    assert isinstance(model, ScatterGP)
-    assert model.weights_ is not None
-    regressor = model.regressors_[0]
-    noise = np.exp(regressor.kernel_.theta[-1]) * y.std() ** 2
-    assert 0.1**2 < noise < 0.4**2
-    K = regressor.kernel_.k1(regressor.X_train_) * y.std() ** 2
-    dense = K @ np.linalg.solve(K + np.diag(noise / model.weights_), model.values_[:, 0] - y.mean()) + y.mean()
-    np.testing.assert_allclose(model.predict_array(model.points_)[:, 0], dense, atol=1e-8)
-
-
 def test_a_fold_of_cross_validation_is_as_good_outside_of_its_points() -> None:
     """80 noiseless points of sin 3a + b^2: 5e-6 to 3e-2 between folds was the fault, and 5 % of the intervals held."""
     X = np.random.default_rng(0).uniform(0, 1, (80, 2))
