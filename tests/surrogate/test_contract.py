@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import netCDF4
@@ -72,6 +73,8 @@ def test_a_file_gives_the_same_answers_and_one_model_makes_one_file(name: str, t
     again = load(tmp_path / "a.nc")
     assert type(again) is type(model)
     assert again.box == model.box
+    if isinstance(model, CorrectedGP) and isinstance(again, CorrectedGP):
+        assert (again.constants_, again.learnt_) == (model.constants_, "what it taught")
     pairs = [(m.predict(X), m.interval(X, 0.9), m.gradient(X, return_std=True)) for m in (again, model)]
     for answer, expected in zip(*pairs, strict=True):
         xr.testing.assert_identical(answer, expected)
@@ -163,8 +166,47 @@ def test_answers_share_nothing(name: str) -> None:
         xr.testing.assert_equal(before, copied)
 
 
+@cache
+def stored(name: str) -> bytes:
+    """The file of a model."""
+    with TemporaryDirectory() as folder:
+        save(fitted(name), Path(folder) / "a.nc")
+        return (Path(folder) / "a.nc").read_bytes()
+
+
+def replaced(name: str, value: Any) -> Callable[[xr.Dataset], xr.Dataset]:  # any array-like
+    return lambda data: data.assign({name: data[name].copy(data=np.broadcast_to(value, data[name].shape))})
+
+
 #: Changes of a model's file, and what is said of them.
 SPOILT: list[tuple[str, Callable[[xr.Dataset], xr.Dataset], str]] = [
+    ("grid", lambda d: d.assign_attrs(format="other"), "not a surrogate model"),
+    (
+        "grid",
+        lambda d: d.assign_attrs(format_version=1),
+        "format version 1 is not 4, the one known here: `make run` an",
+    ),
+    (
+        "grid",
+        lambda d: d.assign_attrs(engine="torch"),
+        "unknown engine 'torch'; known are grid, scatter, grouped, curv",
+    ),
+    ("grid", lambda d: d.assign_attrs(kernel="__import__('os')"), "unknown kernel"),
+    ("grid", lambda d: d.drop_vars("amplitude"), "inconsistent"),
+    ("grid", lambda d: d.assign(core_0=d["core_0"][..., :1].rename(rank_1="cut")), "core 1 has the shape"),
+    ("grid", lambda d: d.isel(mode_0=slice(2)), "do not come out again"),
+    ("grid", lambda d: d.assign(core_0=d["core_0"].expand_dims("new")), "inconsistent"),
+    ("grid", lambda d: d.isel(level_0=slice(1, None)), "Chebyshev-Gauss"),
+    ("grid", replaced("core_1", np.nan), "not finite"),
+    ("grid", replaced("variance", -1.0), "negative variance"),
+    ("grid", replaced("hyperparameter", 1.5), "rho must lie between 0 and 1"),
+    ("grid", replaced("contraction_order", 0), "is no order"),
+    ("grid", replaced("scale", "cubic"), "'cubic' is none of linear, log"),
+    ("grid", replaced("low", 1e9), "must be less than high"),
+    ("grid", replaced("probe_mean", 0.0), "do not come out again"),
+    ("grid", replaced("probe_std", 0.0), "do not come out again"),
+    ("grid", lambda d: d.assign(core_2=d["core_2"] * 1.0001), "probe_mean do not come out again"),
+    ("grid", lambda d: d.assign(variance=d["variance"] * 1.01), "probe_std do not come out again"),
     ("calibrated", lambda d: d.assign(calibration_rank=d.calibration_rank * 0), "ranks .* are not each there once"),
     ("calibrated", lambda d: d.assign(calibration_length=-d.calibration_length), "rows of the calibration do not fit"),
     ("calibrated", lambda d: d.assign(calibration_rank=d.calibration_rank * 1.0), "rows of the calibration do not fit"),
@@ -186,7 +228,10 @@ SPOILT: list[tuple[str, Callable[[xr.Dataset], xr.Dataset], str]] = [
 def test_a_spoilt_file_is_refused(
     name: str, change: Callable[[xr.Dataset], xr.Dataset], says: str, tmp_path: Path
 ) -> None:
-    save(fitted(name), tmp_path / "a.nc")
-    write_whole(change(read_whole(tmp_path / "a.nc")), tmp_path / "b.nc")
-    with pytest.raises(FormatError, match=says):
-        load(tmp_path / "b.nc")
+    path = tmp_path / "a.nc"
+    path.write_bytes(stored(name))
+    write_whole(change(read_whole(path)), path)
+    with pytest.raises(FormatError, match=says) as caught:
+        load(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)

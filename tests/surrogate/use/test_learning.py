@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
-from surrogate import GridGP, Input, load, save
+from surrogate import GridGP, Input
 from surrogate.data.inputs import physical_points
 from surrogate.transforms.measured import CorrectedGP, Draw, Measurements
 from surrogate.use import learning
@@ -226,13 +225,6 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
     against = np.logaddexp.reduce(likely) - np.logaddexp.reduce(prior)
     without = np.logaddexp.reduce(density(base + noise) + trust) - np.log(len(a))
     assert -np.log(np.mean(np.exp(-np.array(odds)))) == pytest.approx(against - without, abs=0.5)
-
-
-def test_a_file_says_what_was_learnt(posterior: Learnt, tmp_path: Path) -> None:
-    save(corrected(posterior, DEVICE.rows()), tmp_path / "a.nc")
-    again = load(tmp_path / "a.nc")
-    assert isinstance(again, CorrectedGP)
-    assert (again.constants_, again.learnt_) == (CONSTANTS, "what it taught")
 
 
 def test_what_rows_do_not_tell_stays_as_it_was(posterior: Learnt) -> None:
