@@ -201,7 +201,7 @@ class Residuals:
     def _plain(self, state: State) -> Array:
         """Variances of measurement of values that are no outliers."""
         loose = (np.exp(state.loose) * self.size) ** 2
-        return np.where(self.unknown, loose, self.stated * np.exp(2 * state.scale))
+        return np.asarray(np.where(self.unknown, loose, self.stated * np.exp(2 * state.scale)))
 
     def _noise(self, state: State) -> Array:
         return np.asarray(self.spread + WILD[state.wild] ** 2 * self._plain(state))
