@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, selected
 from solver.gap.newton import GapStates, Linear, Terms
 from solver.gap.ringoperators import RingOperators, RingTable, Rows
 from solver.gap.rings import Rings
@@ -31,7 +31,7 @@ class PointStates(GapStates):
 
     def part(self, cases: Indices) -> Self:
         """Some of the cases."""
-        return self._part(cases, "coefficient", "force", "charges", "media", "end")
+        return selected(self, cases, "unknowns", "coefficient", "force", "charges", "media", "end")
 
     @property
     def operators(self) -> RingOperators:
