@@ -101,9 +101,9 @@ class SplitOutputs(NamedTuple):
     others: Outputs
 
     @classmethod
-    def of(cls, values: Array, solving: BoolArray, interval: Interval | None, *, clipped: bool = False) -> Self:
-        """Split values (point, row, column) by their rows, (row,)."""
-        parts = (np.ascontiguousarray(values[:, rows]) for rows in (solving, ~solving))
+    def of(cls, values: Array, solving: int, interval: Interval | None, *, clipped: bool = False) -> Self:
+        """Split values (point, row, column) behind the first ``solving`` rows."""
+        parts = (np.ascontiguousarray(part) for part in (values[:, :solving], values[:, solving:]))
         return cls(*(Outputs(part, interval, clipped) for part in parts))
 
 
