@@ -96,8 +96,14 @@ class SlidingWindow:
         inside, rows, rim = Inside(kind.film.stack()), ("stress_xx",), np.ones(1)
         stresses = []
         for number, ratio in enumerate(np.exp(nodes).tolist()):
-            density = self._causes(number)
-            ratios, sines = np.full(3, ratio), _Slid(self.response, density, self._solved[number])
+            density, ratios, solved = self._causes(number), np.full(3, ratio), self._solved[number]
+
+            def sines(b: Array, columns: Indices, density: Density = density, solved: Array = solved) -> Array:
+                """Density psi per eta; (column, 3, b)."""
+                series = solved[columns, 1:].reshape(columns.size, 3, -1)
+                closed = self.response.closed(density.part(columns).turned(b)[:, 0], b, solved[columns, 0])
+                return np.asarray(closed + series @ legendre(b, series.shape[-1]).T)
+
             plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), rim, rows)[:, 0, 0]
             slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), rim, rows)[:, 0, 0]
             stresses.append([plain, slid - plain])
@@ -106,21 +112,6 @@ class SlidingWindow:
     def tensions(self, log_radius: Array) -> Array:
         """Layers' contribution to sigma_xx at the trailing edge, at radii within the window [Pa]; (case, 2, 3)."""
         return self.window.interval.read(log_radius, self._tensions)
-
-
-@dataclass(frozen=True, eq=False)
-class _Slid:
-    """Density psi of causes from their solutions, per eta."""
-
-    response: Response
-    causes: Density
-    solved: Array  # c/a and Legendre coefficients; (cause, 1 + 3 n)
-
-    def __call__(self, b: Array, columns: Indices) -> Array:
-        """Density psi; (column, 3, b)."""
-        series = self.solved[columns, 1:].reshape(columns.size, 3, -1)
-        closed = self.response.closed(self.causes.part(columns).turned(b)[:, 0], b, self.solved[columns, 0])
-        return np.asarray(closed + series @ legendre(b, series.shape[-1]).T)
 
 
 @dataclass(frozen=True, eq=False)
