@@ -134,8 +134,8 @@ def stress_matrices(values: Mapping[str, float]) -> tuple[Array, Array, Array]:
 
 def strain_charge(c: Array, e: Array, eps: Array) -> dict[str, float]:
     """Return s^E, d, free permittivities and coupling factors of 6 x 6 c [Pa], 3 x 6 e [C/m2], 3 x 3 eps [F/m]."""
-    s = np.linalg.inv(c)
-    d = e @ s
+    s = np.asarray(np.linalg.inv(c), dtype=np.float64)
+    d = np.asarray(e @ s)
     free = eps + d @ e.T
     stiffened = c[2, 2] + e[2, 2] ** 2 / eps[2, 2]
     return {

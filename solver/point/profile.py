@@ -11,8 +11,10 @@ x (r/a)^(e-2) 2F1(1 - e/2, 1/2; 3/2; -(x a/r)^2), arsinh(x a/r) of a cone.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import beta, gammaln, gammasgn, hyp2f1
 
 from approximation.arrays import Indices
@@ -110,6 +112,10 @@ def highest_pressure(samples: Array, pressure: Callable[[Array, Indices], Array]
 
         middle = best[hills]
         bracket = np.where(middle > 0, SAMPLES[middle - 1], 0.0), SAMPLES[middle], SAMPLES[middle + 1]
-        minimum = elementwise.find_minimum(lambda x, case: -pressure(x, case.astype(np.intp)), bracket, args=(hills,))
+
+        def below(x: Array, case: NDArray[Any]) -> Array:
+            return -pressure(x, case.astype(np.intp))
+
+        minimum = elementwise.find_minimum(below, bracket, args=(hills,))
         largest[hills] = np.fmax(-minimum.f_x, largest[hills])
     return np.asarray(largest)
