@@ -22,6 +22,11 @@ CHARGED: dict[str, Any] = {
 INTERIOR = ("peak_von_mises", "peak_von_mises_depth", "peak_principal_tension")
 
 
+def without(case: dict[str, Any], *names: str) -> dict[str, Any]:
+    """A case without some of its factors and without those that are None."""
+    return {name: value for name, value in case.items() if name not in names and value is not None}
+
+
 _ZERO = 1e-70  # what the oracle's 100 digits leave of a zero
 
 

@@ -20,6 +20,7 @@ from solver.point.table import PointKind, PointWindow
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, wavenumbers
+from tests.solver.cases import without
 from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film, of_coats
 
 PUNCHES: list[dict[str, Any]] = [
@@ -147,7 +148,7 @@ def test_peaks_of_too_wide_a_contact_are_refused_before_friction_is_solved(monke
     monkeypatch.setattr(sliding.Rubbed, "_added", property(solved))
     case = FILM | {"profile": "disc", "width": 3e-3, "force": 1.0}
     with pytest.raises(solver.FactorError, match=r"^contact: radius over thickness 15 is too wide for peaks"):
-        solver.solve({name: value for name, value in case.items() if name != "radius"}, peaks=["film_peak_von_mises"])
+        solver.solve(without(case, "radius"), peaks=["film_peak_von_mises"])
 
 
 BONDED = film(FIBROUS, CFO, electric="bonded")
