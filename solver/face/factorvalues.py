@@ -61,7 +61,7 @@ class FactorValues:
 
     def among(self, name: str, *choices: str) -> BoolArray:
         """Cases whose factor is one of the choices; none without the factor."""
-        return np.any([self.values.get(name, np.array("")) == choice for choice in choices], axis=0)
+        return np.asarray(np.any([self.values.get(name, np.array("")) == choice for choice in choices], axis=0))
 
     @cached_property
     def space(self) -> BoolArray:

@@ -149,7 +149,7 @@ def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> t
     parts = interior_parts(contact, x, y, _STRESSES)
     e = contact.relative_charge_density
     shape = np.broadcast_shapes(parts.of_load.shape[:-2], parts.of_charges[0].shape[:-2], e.shape[:-1])
-    count, scans = int(np.prod(shape)), list[tuple[Array, Array, Array]]()
+    count, scans = int(np.prod(shape)), list[tuple[Indices, Array, Array]]()
     for block in blocks(count, max(1, _CHUNK // (4 * x.size))):
         cases = np.unravel_index(np.arange(count)[block], (1, *shape))
 
