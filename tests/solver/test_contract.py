@@ -14,7 +14,7 @@ from solver.fields import EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import ANY_SIZE, UNITS
 from solver.names import ALL_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers, weight_of
-from tests.solver.cases import assert_alike, assert_finite, refused, without
+from tests.solver.cases import assert_alike, refused, without
 
 Case = dict[str, Any]
 X, Y = [-1.4, -0.5, 0.3, 2.0], [-0.2, -3.0]
@@ -65,7 +65,7 @@ def test_every_kind_of_body_is_here() -> None:
 def test_names_units_dimensions_and_numbers(case: Case) -> None:
     force, _ = pressing(case)
     out = solver.solve(case | {force: [case[force], 1.2 * case[force]]}, X, regular=True)
-    assert_finite(out)
+    assert all(np.isfinite(values).all() for values in out.data_vars.values())
     known = kind(case).every_quantity | dict(kind(case).fields)
     assert "peak_von_mises" not in out
     assert not set(kind(case).fields) & set(solver.solve(case))
