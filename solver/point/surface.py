@@ -61,11 +61,6 @@ class Along:
     positions: Array  # r/a with a sign; (position,)
 
     @property
-    def _inside(self) -> Array:
-        """Return 1 below the punch, 0 outside; (position,)."""
-        return np.where(np.abs(self.positions) < 1, 1.0, 0.0)
-
-    @property
     def _x(self) -> Array:
         """Return sqrt(1 - r^2/a^2) below the punch, 0 outside; (position,)."""
         return np.sqrt(np.maximum((1 - self.positions) * (1 + self.positions), 0.0))
@@ -89,7 +84,7 @@ class Along:
 
     def tractions(self) -> Array:
         """Tractions sigma_yy, D_y, B_y [Pa, C m-2, T]; (case, 3, position)."""
-        below = np.flatnonzero(self._inside)
+        below = np.flatnonzero(np.abs(self.positions) < 1)
         strength, x = self.contact.state.strengths[..., None], self._x[below]
         tractions = np.zeros((*strength.shape[:-1], self.positions.size))
         tractions[..., below] = strength / x + self._per_form * self._form()[below]
