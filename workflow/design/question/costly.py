@@ -119,7 +119,9 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
             return value, int(solved.sum())
         most = max(room, int(decides.sum())) if films else chosen.count
         order = np.where(decides, -1.0, distances)
-        batch = _batch(missing, solved, order, _BATCH_FILMS if films else _BATCH)[:most]
+        # the nearest first: what is missing, and as many others as make a batch worth its price
+        nearest = np.argsort(np.where(solved, np.inf, order), kind="stable")[: int((~solved).sum())]
+        batch = nearest[: max(_BATCH_FILMS if films else _BATCH, int(missing.sum()))][:most]
         if films and not solved.any() and values.shape[2] == 1:
             batch = np.union1d(batch, np.linspace(0, chosen.count - 1, _SPREAD).astype(int))
         exact = _solve(design, chosen, batch, [term])[0][0]
@@ -136,12 +138,6 @@ def _errors(values: Array, predicted: Array, solved: Bools) -> tuple[Array, floa
     off = np.where(solved, values - predicted, 0.0)
     mean = np.broadcast_to(off.sum(0) / np.maximum(solved.sum(0), 1), off.shape)
     return mean, float(np.abs(np.where(solved, off - mean, 0.0)).max())
-
-
-def _batch(missing: Bools, solved: Bools, distances: Array, least: int) -> Indices:
-    """Scenarios to solve next, the nearest first: what is missing, and up to ``least`` others."""
-    order = np.argsort(np.where(solved, np.inf, distances), kind="stable")
-    return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
 
 
 def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indices]]:
