@@ -74,9 +74,10 @@ def _powers(text: str, node: Expression) -> dict[str, int]:
         return {node.name: 1}
     if isinstance(node, Power):
         return {name: power * node.exponent for name, power in _powers(text, node.base).items()}
-    if isinstance(node, Operation) and node.symbol in "*/":
-        powers, sign = _powers(text, node.left), 1 if node.symbol == "*" else -1
-        for name, power in _powers(text, node.right).items():
+    if isinstance(node, Operation) and node.symbol in ("*", "/"):
+        powers, others = (_powers(text, part) for part in node.parts)
+        sign = 1 if node.symbol == "*" else -1
+        for name, power in others.items():
             powers[name] = powers.get(name, 0) + sign * power
         return powers
     raise ValueError(f"{text!r}: only products and quotients of whole powers of factors make a group")

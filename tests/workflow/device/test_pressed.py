@@ -152,13 +152,3 @@ def test_a_design_of_another_study_that_cannot_be_is_refused(
     Path("other.yaml").write_text(STUDY, encoding="utf-8")  # beside it; film comes with the program
     with pytest.raises(InputError, match=words):
         pressed_study(load("mine.yaml"))
-
-
-@pytest.mark.parametrize(
-    ("factors", "words"),
-    [({}, "patch_size: missing"), ({"patch_size": 1e-3, "patch": "strip"}, "patch: 'strip' below a point has no end")],
-)
-def test_electrodes_without_an_end_are_refused(factors: dict[str, Any], words: str) -> None:
-    case = COATED | {"collector": 1}
-    with pytest.raises(solver.FactorError, match=words):
-        ContactCurves.from_case(case | factors, 1.0, body=film(case, solver.find("PZT-4")))

@@ -27,7 +27,8 @@ _LEAST = 9  # designs of a front
 _BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
 _BATCH_FILMS = 3  # every one with tables of its own
 _SPREAD = 5  # of them spread over all scenarios, which show how far the surrogate errs alike
-_SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.14 of what the shift corrects
+#: Relative safety margin that a polish keeps from the limits: near a kink a shifted limit leaves 0.14 of its shift.
+SAFETY = 3e-7
 
 
 def names(question: Question, term: Term) -> list[str]:
@@ -66,11 +67,6 @@ def affordable(question: Question) -> Source:
     if not asked(question):
         return question.exact
     return _Hybrid(question.exact, question.predicted, question.study.costly)
-
-
-def safety(question: Question, usual: float) -> float:
-    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it."""
-    return _SAFETY if asked(question) else usual
 
 
 def words(question: Question, cases: int, moved: bool) -> str:

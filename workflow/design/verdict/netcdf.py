@@ -147,7 +147,7 @@ def answer_of(data: xr.Dataset) -> Answer:
     effects = _list(data, "effect", "term", "constant") or [()] * len(numbers)
     spreads = _list(data, "spread") or [np.nan] * len(numbers)
     terms = [
-        Term(statement, *values, case, tuple(effect), spread)
+        Term(statement, *values, worst=case, effect=tuple(effect), spread=spread)
         for statement, values, case, effect, spread in zip(_stated(data), numbers, cases, effects, spreads, strict=True)
     ]
     slopes, errors = _list(data, "elasticity", "factor", "term"), _rows(data, _SENSITIVITY)
