@@ -63,12 +63,11 @@ def stated(statement: statements.Statement) -> str:
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
     """Goals of a design in words, as the title of its card."""
-    return capital(listed([_superlative(goal) for goal in goals]))
-
-
-def _superlative(goal: statements.Objective) -> str:
-    words, most = stated(goal), "largest" if goal.maximise else "smallest"
-    return words if words.startswith(most) else f"{most} {words}"
+    parts = []
+    for goal in goals:
+        words, most = stated(goal), "largest" if goal.maximise else "smallest"
+        parts.append(words if words.startswith(most) else f"{most} {words}")
+    return capital(listed(parts))
 
 
 def units(statement: statements.Statement, si: str) -> str:

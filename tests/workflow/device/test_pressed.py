@@ -11,7 +11,7 @@ from solver.names import OF_HEAT
 from solver.stack.electrodes import Electrode
 from solver.stack.layers import Layer, Stack
 from storage.netcdf import write_whole
-from tests.studies import edited, made, refusal
+from tests.studies import edited, made
 from workflow.device import pressed
 from workflow.device.circuit import permittivity
 from workflow.device.contact import ContactCurves, film
@@ -111,26 +111,6 @@ def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
     assert Electrode(covered, 1).capacitance == pytest.approx(in_turn, rel=1e-12)
     with pytest.raises(solver.FactorError, match=r"^base_volume_fraction: 0\.8 of a film whose electrode"):
         film({"collector": 1, "thickness": 1e-4, "base_volume_fraction": 0.8}, PVDF)
-
-
-@pytest.mark.parametrize(
-    ("text", "old", "new", "words"),
-    [
-        (
-            STUDY,
-            "signal: {design: touch,",
-            "signal: {study: ball, design: touch,",
-            "touch' is a name of this study's designs",
-        ),
-        (STUDY, "signal: {design: touch,", "signal: {", "signal.design: missing"),
-        (STUDY, "design: touch", "design: tuch", "signal: design: 'tuch' is not a design target; known are touch"),
-        (STUDY, "force: 50 mN", "force: 50 mV", "unit mismatch"),
-        (STUDY, "hold: 1 s", "hold: 0", "0 is not a finite number > 0 [s]"),
-        (STUDY, "device: {", "# {", "signal: needs device: amplifier"),
-    ],
-)
-def test_a_press_that_cannot_be_is_refused(text: str, old: str, new: str, words: str) -> None:
-    assert words in refusal(edited(text, old, new))
 
 
 @pytest.mark.parametrize(
