@@ -142,14 +142,11 @@ def dataset(answer: Answer) -> xr.Dataset:
 
 def answer_of(data: xr.Dataset) -> Answer:
     """The answer that a data set of `dataset` holds."""
-    names, numbers = _list(data, "factor"), _rows(data, _TERM)
+    names, numbers = _list(data, "factor"), [_list(data, key) for key in _TERM]
     cases = [dict(zip(names, case, strict=True)) for case in _list(data, "worst", "term", "factor")]
-    effects = _list(data, "effect", "term", "constant") or [()] * len(numbers)
-    spreads = _list(data, "spread") or [np.nan] * len(numbers)
-    terms = [
-        Term(statement, *values, worst=case, effect=tuple(effect), spread=spread)
-        for statement, values, case, effect, spread in zip(_stated(data), numbers, cases, effects, spreads, strict=True)
-    ]
+    effects = [tuple(effect) for effect in _list(data, "effect", "term", "constant")] or [()] * len(cases)
+    spreads = _list(data, "spread") or [np.nan] * len(cases)
+    terms = itertools.starmap(Term, zip(_stated(data), *numbers, cases, effects, spreads, strict=True))
     slopes, errors = _list(data, "elasticity", "factor", "term"), _rows(data, _SENSITIVITY)
     sensitivities = [Sensitivity(tuple(slope), *error) for slope, error in zip(slopes, errors, strict=True)]
     variables = [
