@@ -27,7 +27,7 @@ from solver.point.friction import Rim, require_thin
 from solver.point.inside import Inside
 from solver.point.kernel import shear_kernel
 from solver.point.peaks import peaks_of
-from solver.point.profile import SAMPLES, Shape, climbed, finite
+from solver.point.profile import SAMPLES, Shape, finite, highest_pressure
 from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
 
@@ -261,15 +261,9 @@ def _peak_pressure(inside: Array) -> Array:
     """Largest pressures over C a^(e-1), from the rows below the contact; (case,)."""
     samples = inside[:, : SAMPLES.size]
     series = _odd_series() @ samples.T
-    best = np.argmax(samples, 1)
-    result = np.take_along_axis(samples, best[:, None], 1)[:, 0]
-    hills = np.flatnonzero(best < SAMPLES.size - 1)
-    if hills.size:
-        result[hills] = climbed(
-            lambda x, case: np.asarray(np.polynomial.chebyshev.chebval(x, series[:, hills[case]], tensor=False)),
-            best[hills],
-        )
-    return result
+    return highest_pressure(
+        samples, lambda x, case: np.asarray(np.polynomial.chebyshev.chebval(x, series[:, case], tensor=False))
+    )
 
 
 @cache
