@@ -21,7 +21,7 @@ from approximation.chebyshev import legendre_rule
 from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
-from solver.gap.grid import gauss
+from solver.gap.grid import add_pieces, gauss, pieces
 from solver.gap.newton import SplitOutputs
 from solver.gap.rings import Rings, rings
 from solver.line.kernel import CHANNEL
@@ -296,7 +296,10 @@ class RingOperators:
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
         result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
-        self._add_pieces(result, radius, targets, breaks, broken)
+        row, panel, start, stop = pieces(self.rings.ends, np.arccosh(breaks), broken)
+        s, share = self.rings.ruled(panel, start, stop)
+        near = self._added.at(radius * np.abs(targets[row, None] - s))
+        add_pieces(result, row, panel, np.swapaxes(share, 1, 2) @ near)
         size = self.rings.size.reshape(grid.panels, -1, 1)
         kernels = self._paired((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
         return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
@@ -313,20 +316,6 @@ class RingOperators:
         places = targets[:, None] + offsets
         used = (np.abs(offsets) < np.maximum(targets, 1.0)[:, None]) & (places > 1) & (places < far)
         return np.sort(np.where(used, places, 1.0), 1)
-
-    def _add_pieces(self, integrals: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
-        """Add panels that break, piece by piece."""
-        grid = self.rings.grid
-        ends = self.rings.ends
-        all_ends = np.sort(np.concatenate([np.tile(ends, (targets.size, 1)), np.arccosh(breaks)], 1), 1)
-        start, stop = all_ends[:, :-1], all_ends[:, 1:]
-        panel = np.clip(np.searchsorted(ends, (start + stop) / 2) - 1, 0, grid.panels - 1)
-        row, place = np.nonzero((stop > start) & np.take_along_axis(broken, panel, 1))
-        panels = panel[row, place]
-        s, share = self.rings.ruled(panels, start[row, place], stop[row, place])
-        pieces = np.swapaxes(share, 1, 2) @ self._added.at(radius * np.abs(targets[row, None] - s))
-        first = np.flatnonzero(np.diff(row * grid.panels + panels, prepend=-1))
-        integrals[row[first], panels[first]] += np.add.reduceat(pieces, first)
 
 
 def summed(kernels: Array, S: Array) -> Array:
