@@ -23,7 +23,7 @@ from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
-from solver.gap.refusal import GapError, require_open
+from solver.gap.refusal import GapError
 
 
 @dataclass(frozen=True, eq=False)
@@ -395,16 +395,18 @@ class Settled(Generic[_State]):
 
     def require(self) -> Self:
         """Refuse contacts that are not found, and gaps that close."""
+        states, frame = self.states, self.states.frame
         for case in np.flatnonzero(~self.valid).tolist():
             if not self.converged[case]:
                 raise GapError(
-                    f"surroundings: no contact with air beside it is found for this {self.states.frame.load} and these "
-                    "charges"
+                    f"surroundings: no contact with air beside it is found for this {frame.load} and these charges"
                 )
-            states, frame = self.states, self.states.frame
-            names = [name for name, held in zip(("voltage", "magnetic potential"), states.held, strict=False) if held]
-            require_open(
-                states.gap[case], states.terms.reference[case], frame.places, frame.coordinate, " and ".join(names)
+            names = [name for name, zero in zip(("voltage", "magnetic potential"), states.held, strict=False) if zero]
+            held = f", where its {' and '.join(names)} is 0" if names else ""
+            place = frame.places[int(np.argmin(states.gap[case] / states.terms.reference[case]))]
+            raise GapError(
+                f"surroundings: the punch touches the surface beside the contact, at {frame.coordinate} = {place:.3g}"
+                f"{held}: the gap is negative there; must be insulated"
             )
         return self
 

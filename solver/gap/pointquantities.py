@@ -14,14 +14,14 @@ from solver.gap.grid import peak_of_panels
 from solver.gap.newton import Frame, Settled, continued, settled, together
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
-from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, RingWindows
+from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, crowded, ends_of, film_table
 from solver.gap.rings import reach_of, rings
 from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
 from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.pressing import ContactError
-from solver.line.windows import FIRST, LAST
+from solver.line.windows import FIRST, LAST, number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
-from solver.point.body import Film, HalfSpace
+from solver.point.body import Film
 from solver.point.contact import PointContact, Pressed
 from solver.point.friction import Rim, require_thin
 from solver.point.inside import Inside
@@ -97,18 +97,16 @@ class AirPoints:
         return np.array([reach_of(*pair) for pair in zip(radii.tolist(), self.end.tolist(), strict=True)])
 
     @cached_property
-    def _windows(self) -> RingWindows | None:
-        body, contacts = self.pressed.body, (self.pressed.charged, self.pressed.uncharged, self.pressed.grounded)
-        if not isinstance(body, Film):
-            return None
-        return RingWindows.of(body.kind, np.concatenate([contact.radius / body.thickness for contact in contacts]))
+    def _crowded(self) -> set[int]:
+        contacts = self.pressed.charged, self.pressed.uncharged, self.pressed.grounded
+        return crowded(np.concatenate([contact.radius / self.length for contact in contacts]))
 
     def _table(self, place: int, ratio: float, *, wide: bool = False) -> RingTable:
         """Operators of a case near a radius, or over a wider range."""
         body, reach = self.pressed.body, float(self._reaches[place])
-        if self._windows is not None:
-            return self._windows.table(ratio, reach, wide=wide)
-        assert isinstance(body, HalfSpace)
+        if isinstance(body, Film):
+            wide = wide or int(number_of(np.array([ratio]))[0]) in self._crowded
+            return film_table(body.kind, reach, ends_of(ratio, wide=wide))
         fields = tuple(np.flatnonzero(self._conducts[place]).tolist())
         return _on_half_space(tuple(body.compliance[place].ravel().tolist()), fields, body.shape, reach)
 

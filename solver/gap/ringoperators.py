@@ -17,6 +17,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import Indices
 from approximation.chebyshev import legendre_rule
 from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
@@ -329,7 +330,7 @@ def _drawn(rings: Rings) -> Array:
     return rings.poisson(X_WITHIN)
 
 
-NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: interpolation errors are 1e-12, and 1e-9 in derivatives
+_NODES, _FEW = 18, 8  # radii of half a decade and of a part: errors are 1e-12, and 1e-9 in derivatives
 
 
 @dataclass(frozen=True, eq=False)
@@ -359,13 +360,9 @@ _SINGLE_PARTS = 2  # parts of half a decade that are made by themselves: the nex
 
 
 @cached
-def _half_decade(kind: PointKind, reach: float, number: int) -> RingTable:
-    return RingTable(_operators(kind, reach), interval(number, NODES))
-
-
-@cached
-def _part(kind: PointKind, reach: float, place: int) -> RingTable:
-    return RingTable(_operators(kind, reach), Interval(place * _PART - _BEYOND, (place + 1) * _PART + _BEYOND, FEW))
+def film_table(kind: PointKind, reach: float, ends: Interval) -> RingTable:
+    """Operators on a film between two radii, with rings up to ``reach`` contact radii."""
+    return RingTable(_operators(kind, reach), ends)
 
 
 @cached
@@ -375,32 +372,22 @@ def _operators(kind: PointKind, reach: float) -> RingOperators:
     return RingOperators(rings(reach), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
 
 
-def _place(ratio: float) -> int:
-    return int(np.floor(np.log(ratio) / _PART))
+def part_of(ratios: Array) -> Indices:
+    """Part of log a that holds radii over the thickness."""
+    return np.asarray(np.floor(np.log(ratios) / _PART), dtype=np.intp)
 
 
-def _number(ratio: float) -> int:
-    return int(number_of(np.array([ratio]))[0])
+def crowded(ratios: Array) -> set[int]:
+    """Half decades in which the contacts of one call have radii over the thickness in many parts."""
+    pairs = np.unique(np.stack([number_of(ratios), part_of(ratios)]), axis=1)
+    numbers, parts = np.unique(pairs[0], return_counts=True)
+    return set(numbers[parts > _SINGLE_PARTS].tolist())
 
 
-@dataclass(frozen=True, eq=False)
-class RingWindows:
-    """Tables of one kind of film."""
-
-    kind: PointKind  # The film and the punch
-    many: frozenset[int]  # Half decades in which the call has many radii
-
-    @classmethod
-    def of(cls, kind: PointKind, ratios: Array) -> Self:
-        """Choose tables for the contact radii over the thickness of one call."""
-        places_of: dict[int, set[int]] = {}
-        for ratio in np.unique(ratios).tolist():
-            places_of.setdefault(_number(ratio), set()).add(_place(ratio))
-        return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _SINGLE_PARTS))
-
-    def table(self, ratio: float, reach: float, *, wide: bool = False) -> RingTable:
-        """About a radius over the thickness, with rings up to ``reach`` contact radii; of half a decade where wide."""
-        number = _number(ratio)
-        if wide or number in self.many:
-            return _half_decade(self.kind, reach, number)
-        return _part(self.kind, reach, _place(ratio))
+def ends_of(ratio: float, *, wide: bool) -> Interval:
+    """Range of log a for the table about a radius over the thickness: a half decade, or a part of it."""
+    ratios = np.array([ratio])
+    if wide:
+        return interval(int(number_of(ratios)[0]), _NODES)
+    part = int(part_of(ratios)[0])
+    return Interval(part * _PART - _BEYOND, (part + 1) * _PART + _BEYOND, _FEW)

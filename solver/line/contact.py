@@ -73,21 +73,6 @@ class FilmContact:
         return self._extent[1]
 
     @property
-    def offset(self) -> Array:
-        """c = (a - b)/2 [m]."""
-        return self.half_width * self.centre
-
-    @property
-    def trailing(self) -> Array:
-        """a [m]: the trailing edge is x = a."""
-        return self.half_width * (1 + self.centre)
-
-    @property
-    def leading(self) -> Array:
-        """b [m]: the leading edge is x = -b."""
-        return self.half_width * (1 - self.centre)
-
-    @property
     def exponent(self) -> float:
         """Pressure exponent alpha, that of the top material's half-plane."""
         return 0.5 + self.table.system.coefficients.delta
