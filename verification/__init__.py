@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 from verification import (
     digits,
-    film_air,
     film_elements,
     films,
     integral_equations,
@@ -22,7 +21,7 @@ GROUPS: dict[str, Callable[[Sizes], Findings]] = {
     "integral_equations": integral_equations.run,
     "films": films.run,
     "film_elements": film_elements.run,
-    "film_air": film_air.run,
+    "film_air": film_elements.run_in_air,
     "points": points.run,
     "digits": digits.run,
 }
