@@ -5,14 +5,7 @@ Each group gives its findings; pytest asserts them and the page of ``make run ST
 
 from collections.abc import Callable
 
-from verification import (
-    digits,
-    film_elements,
-    films,
-    integral_equations,
-    limits,
-    points,
-)
+from verification import digits, film_elements, films, integral_equations, limits, points
 from verification.findings import Findings, Sizes
 
 #: The groups by name, those of ``workflow.study.model``, in the order of the page.

@@ -96,11 +96,8 @@ def test_a_contact_in_air_is_not_one_without() -> None:
 
 
 def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
-    (curve,) = [
-        candidate
-        for candidate in findings("integral_equations", False).curves
-        if candidate.figure == "collocation_circle"
-    ]
+    curves = {curve.figure: curve for curve in findings("integral_equations", False).curves}
+    curve = curves["collocation_circle"]
     assert all(fine < coarse / 10 for coarse, fine in zip(curve.error, curve.error[1:], strict=False))
 
 

@@ -1,13 +1,15 @@
 """``meecontact invert --measured``: a value and its error as people write them, with units, prefixes and shares."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from surrogate import GridGP, Input
+from tests.programs import Command
 from tests.studies import made
-from tests.workflow.cli.test_main import complaint
-from workflow.cli import main, questions
+from workflow.cli import questions
 
 STUDY = """
 title: A punch
@@ -27,19 +29,16 @@ def results(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(questions, "results", lambda folder: (study, model))
 
 
-def told(capsys: pytest.CaptureFixture[str], text: str) -> list[float]:
-    """Load and the ends of its interval, in SI."""
-    assert main.main(["invert", "results/one", "--si", "--infer", "load", "--measured", f"voltage={text}"]) == 0
-    words = capsys.readouterr().out.replace("[", " ").replace("]", " ").replace(",", " ").split()
-    return [float(word) for word in words[1:4]]
+WORDS = ("invert", "results/one", "--si", "--infer", "load", "--measured")
 
 
 @pytest.mark.parametrize(
     "text",
     ["-519+-1%", "-0.519kV+-1%", "-519e3mV+-5190 mV", "-0.519+-0.00519 kV", "−519 ± 1 %", "-5.19×10² V +/- 5.19 V"],
 )
-def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixture[str]) -> None:
-    mean, low, high = told(capsys, text)
+def test_one_measurement_in_all_its_forms(text: str, command: Command) -> None:
+    printed, _ = command(*WORDS, f"voltage={text}")
+    mean, low, high = map(float, re.findall(r"[\d.e+]+(?=[\] ,])", printed)[:3])
     # the posterior of what is linear, uniform in the logarithm before: normal about 519/0.05 within 1e-4
     assert mean == pytest.approx(-519 / SLOPE, rel=2e-3)
     np.testing.assert_allclose([low, high], [mean * (1 - 0.0196), mean * (1 + 0.0196)], rtol=2e-3)
@@ -58,6 +57,5 @@ def test_one_measurement_in_all_its_forms(text: str, capsys: pytest.CaptureFixtu
         ("519mV+-1%", "voltage would fit with the opposite sign and a factor of 1000"),
     ],
 )
-def test_what_is_none_is_refused_in_one_line(text: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ("invert", "results/one", "--infer", "load", "--measured", f"voltage={text}")
-    assert says in complaint(capsys, *words)
+def test_what_is_none_is_refused_in_one_line(text: str, says: str, command: Command) -> None:
+    assert says in command.refused(*WORDS, f"voltage={text}")

@@ -8,23 +8,21 @@ import numpy as np
 import pytest
 
 from solver import solve
+from tests.programs import Command
 from tests.workflow.conftest import Project
-from workflow.cli import main, questions
+from workflow.cli import questions
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.design.wording.table import as_csv, as_json
 from workflow.study.reading import InputError
 
 
-def test_answers_in_both_forms(
-    ran: Project, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_answers_in_both_forms(ran: Project, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,volume_fraction", "--at", "load=1e4"]
     words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
     monkeypatch.chdir(ran.folder)
     ask = questions.ask
     answers: list[Answer] = []
-    tables: list[str] = []
 
     def once(*question: Any) -> Answer:
         if not answers:
@@ -32,9 +30,7 @@ def test_answers_in_both_forms(
         return answers[0]
 
     monkeypatch.setattr(questions, "ask", once)
-    for form in ([], ["--json"]):
-        assert main.main(["design", "results/small", *words, *form]) == 0
-        tables.append(capsys.readouterr().out)
+    tables = [command("design", "results/small", *words, *form)[0] for form in ([], ["--json"])]
     first, sentence, *table = tables[0].splitlines()
     assert first == "maximise abs(voltage_per_load)"
     assert sentence.startswith("Beyond linear theory; otherwise recommended within the model; a tilt of ")
@@ -52,7 +48,7 @@ def test_answers_in_both_forms(
 
 
 def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
-    ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.chdir(ran.folder)
     options = {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,friction=0,volume_fraction=0.5"]}
@@ -60,13 +56,11 @@ def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
     answer = questions.ask(Path("results/small"), options)
     monkeypatch.setattr(questions, "ask", lambda *_: answer)  # what is asked of it: the test above
     for name, written in (("x.csv", as_csv([answer])), ("x.json", f"{as_json(answer)}\n")):
-        assert main.main([*words, "-o", str(tmp_path / name)]) == 0
+        printed, said = command(*words, "-o", tmp_path / name)
         assert (tmp_path / name).read_text(encoding="utf-8") == written
-        printed, said = capsys.readouterr()
         assert (printed, said.startswith(f"wrote {tmp_path / name}: ")) == ("", True)
-    with pytest.raises(SystemExit, match="2"):
-        main.main([*words, "-o", str(tmp_path / "x.xlsx")])
-    assert "x.xlsx': must end in .csv or .json: the answer is written as CSV or JSON\n" in capsys.readouterr().err
+    refusal = command.refused(*words, "-o", tmp_path / "x.xlsx")
+    assert "x.xlsx': must end in .csv or .json: the answer is written as CSV or JSON\n" in refusal
     assert {path.name for path in tmp_path.iterdir()} == {"x.csv", "x.json"}
 
 
