@@ -47,7 +47,7 @@ class Revolved(Body):
         stiffness[:7, :7] = constitutive_matrix(m)
         stiffness[7] = stiffness[:, 7] = m["c12"], m["c13"], 0, 0, m["e31"], 0, m["f31"], m["c11"]
         strains[0, :7], strains[1, :7], strains[2, 7, 0] = ALONG, DOWN, 1.0
-        return np.einsum("iaj,ab,kbl->ikjl", strains, stiffness, strains)
+        return np.asarray(np.einsum("iaj,ab,kbl->ikjl", strains, stiffness, strains))
 
 
 def _mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:

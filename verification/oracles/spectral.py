@@ -130,7 +130,7 @@ class Body:
     def _moduli(self, material: Mapping[str, float]) -> Array:
         """Stiffness in (d/dx, d/dy) of (u_x, u_y, phi, psi); shape (2, 2, 4, 4)."""
         strains = np.stack([ALONG, DOWN])
-        return np.einsum("iaj,ab,kbl->ikjl", strains, constitutive_matrix(material), strains)
+        return np.asarray(np.einsum("iaj,ab,kbl->ikjl", strains, constitutive_matrix(material), strains))
 
     def _split(self, element: int) -> tuple[Array, Array]:
         """Condensed matrix of the border, and the inner nodes' answer to it."""
