@@ -147,8 +147,8 @@ def elements(case: Case, half: float, order: int) -> FilmContact:
     layers = [Layer(constants(material), thickness, grounded=()) for material, thickness in layers_of(case)]
     layers[-1] = replace(layers[-1], grounded=tuple(grounded))
     elastic = isotropic(case["punch_modulus"], case["punch_poisson"]) if "punch_modulus" in case else None
-    loads = [case.get(name, 0.0) for name in ("friction", "charge", "magnetic_charge")]
-    punch = Punch(case["radius"], *loads, tuple(conducted), elastic)
+    friction, charge, magnetic_charge = (case.get(name, 0.0) for name in ("friction", "charge", "magnetic_charge"))
+    punch = Punch(case["radius"], friction, charge, magnetic_charge, tuple(conducted), elastic)
     return FilmContact(layers, base, punch, half, order, float(case.get("surroundings") == "air"))
 
 

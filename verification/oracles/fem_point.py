@@ -16,7 +16,7 @@ from scipy.special import gamma
 
 from verification.oracles.fem_film import Layer, clamped, contact
 from verification.oracles.film_mesh import FAR, assemble, depths, growing
-from verification.oracles.gap_response import LEAST, VACUUM, Dry, Gap, settled
+from verification.oracles.gap_response import VACUUM, Dry, Gap, settled
 from verification.oracles.spectral import ELECTRIC, FORCES, Body, Index, Quadrilaterals, bilinear, lagrange
 from verification.oracles.surface_response import ALONG, DOWN, UNITS, Array, constitutive_matrix, surface_response
 
@@ -121,11 +121,9 @@ class PointContact:
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u and nodal loads of the states u_y = 1, r^e and phi = 1 under the punch; (node, 4, state) each."""
-        r, weights = self._exterior.rule
-        wide = np.maximum(gap, LEAST * np.sum(weights, axis=1, keepdims=True))
-        strength = self.permittivity * VACUUM[ELECTRIC] * weights * r / (1 + (r * self.radius / self.sphere) ** 2)
-        pushed = np.zeros_like(self._dry.prescribed)
-        spring = self._exterior.spring(ELECTRIC, strength / wide, len(pushed))
+        r, pushed = self._exterior.rule[0], np.zeros_like(self._dry.prescribed)
+        medium = self.permittivity * VACUUM[ELECTRIC] * r / (1 + (r * self.radius / self.sphere) ** 2)
+        spring = self._exterior.spring(ELECTRIC, medium, gap, len(pushed))
         pushed[:, 2] = spring.sum(axis=1)
         u, loads = self._dry.charged(spring, pushed)
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)

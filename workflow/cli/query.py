@@ -112,7 +112,10 @@ def _print_answer(answer: xr.Dataset, outputs: list[str], level: float, *, si: b
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
     units = {name: str(answer[name].attrs.get("units", "")) for name in outputs}
     ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
-    lines = {name: f"{name:34s} {shown(*ends[name], units[name], level, si=si)}" for name in outputs}
+    lines = {
+        name: f"{name:34s} {shown(value, lower, upper, units[name], level, si=si)}"
+        for name, (value, lower, upper) in ends.items()
+    }
     length = max(map(len, lines.values()))
     for name, line in lines.items():
         exact = ""

@@ -255,9 +255,11 @@ def solved(
     Contacts beyond small strain are warned of, or else join those that were found.
     """
     table = _surrounded(table)
+    # cylinders on half-planes the solver parts itself
+    most = _CASES if {"profile", "thickness", "surroundings"} & table.columns.keys() else _CLOSED
     excesses, parts, taken, size = list[Excess](), list[xr.Dataset](), list[Indices](), 0.0
     with tqdm(total=table.count, unit=" cases", delay=2, disable=None, leave=False) as bar:
-        for names, rows in _blocks(table, min(_cases(table), max(1, _VALUES // points))):
+        for names, rows in _blocks(table, min(most, max(1, _VALUES // points))):
             try:
                 with warnings.catch_warnings(record=True) as caught:
                     warnings.simplefilter("always", SmallStrainWarning)
@@ -280,11 +282,6 @@ def solved(
     elif excesses:
         say(f"meecontact: warning: {sentence(excesses, table.count)}")
     return joined(taken, parts)
-
-
-def _cases(table: Table) -> int:
-    """Cases of a table that are solved at a time: cylinders on half-planes, which the solver parts itself, are many."""
-    return _CASES if {"profile", "thickness", "surroundings"} & table.columns.keys() else _CLOSED
 
 
 def _surrounded(table: Table) -> Table:

@@ -42,7 +42,7 @@ def test_long_signals_are_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     force = np.minimum(np.arange(count) / 1_000, 1) * 2  # N
     rows, out = "".join(f"{k * 1e-4:.4f},{value:.6f}\n" for k, value in enumerate(force)), tmp_path / "out.csv"
     path = command.file("long.csv", f"time [s],force [N]\n{rows}")
-    options = ["--on", CASE, "--device", DEVICE, "-o", out]
+    options: list[str | Path] = ["--on", CASE, "--device", DEVICE, "-o", out]
     command("signal", path, *options)
     full = np.genfromtxt(out, delimiter=",", skip_header=1)
     command("signal", command.file("coarse.csv", "time [s],force [N]\n0,0\n0.1,2\n1,2\n"), *options, "--parts", "10")
@@ -75,7 +75,7 @@ def test_long_signals_are_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 )
 def test_bad_input_is_refused_in_one_line(command: Command, history: str, case: str, device: str, words: str) -> None:
     path = command.file("history.csv", history)
-    options = ["--on", case, "--device", device, "-o", path.with_name("out.csv")]
+    options: list[str | Path] = ["--on", case, "--device", device, "-o", path.with_name("out.csv")]
     assert words in command.refused("signal", path, *options)
     assert [*path.parent.iterdir()] == [path]
 
