@@ -18,7 +18,7 @@ import solver
 from approximation.arrays import Indices
 from solver import FactorError, Material, MaterialError, SmallStrainWarning, solve, solve_interior
 from solver.body import around, kind_of, solids
-from solver.face.filmfactors import settled
+from solver.face.factorvalues import settled
 from solver.face.rows import joined
 from solver.face.strain import Excess, sentence
 from solver.material.punches import RIGID_PUNCH

@@ -21,7 +21,7 @@ from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer
 from workflow.language import grammar, titles
 from workflow.language.constants import FIGURES_BY
-from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.language.expressions import Expression, Name, Number, Operation, Power
 from workflow.language.factors import FACTORS
 from workflow.language.titles import title
 from workflow.report import firstscreen
@@ -202,11 +202,9 @@ def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
     if isinstance(node, Name):
         return constants.get(node.name, node.name)
     if isinstance(node, Operation):
-        return [node.symbol, _tree(node.left, constants), _tree(node.right, constants)]
+        return [node.symbol, *(_tree(part, constants) for part in node.parts)]
     if isinstance(node, Power):
         return ["^", _tree(node.base, constants), node.exponent]
-    if isinstance(node, Call):
-        return [node.function, *(_tree(argument, constants) for argument in node.arguments)]
     raise TypeError(f"unknown node {node!r}")
 
 

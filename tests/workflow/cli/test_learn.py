@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from surrogate import load, save
-from surrogate.transforms.measured.corrected import CorrectedGP
+from surrogate.transforms.measured import CorrectedGP
 from tests.programs import Command
 from tests.workflow.learning.test_correction import study_of
 from workflow.dataset import draws, factorial

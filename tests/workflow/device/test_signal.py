@@ -155,6 +155,8 @@ def test_noise_is_that_of_amplifier_and_temperature(numbers: dict[str, float], n
         (FILM | {"force": 1.0}, "force: is not the case's"),
         (FILM | {"electric": "insulating"}, "does not conduct"),
         ({"profile": "sphere", "material": "steel", "radius": 5e-3}, "makes no charge"),
+        (FILM | {"collector": 1}, "patch_size: missing; an electrode that is read as a whole has no end"),
+        (FILM | {"collector": 1, "patch_size": 1e-3, "patch": "strip"}, "patch: 'strip' below a point has no end"),
     ],
 )
 def test_contacts_without_a_signal_are_refused(case: dict[str, Any], words: str) -> None:

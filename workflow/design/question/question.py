@@ -267,30 +267,21 @@ class Question:
     def _chain_rule(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term]) -> list[Array]:
         """Jacobians of the rows by the chain rule: scenarios, then names, then scaled variables."""
         design = self.at(x)
-        known, slopes = design._known_slopes(source, chosen, terms)
+        factors = design.factors(chosen)
+        known = design.known(source, factors, [term.expression for term in terms])
+        slopes = source.slopes(factors, [name for name in known if name in ALL_QUANTITIES], list(design.variables))
+        for name in known.keys() - slopes:
+            slopes[name] = np.tile([float(name == variable) for variable in design.variables], (chosen.count, 1))
         scaling = design.physical_per_scaled()
         jacobians = []
         for term in terms:
-            value, partials = term.expression.partials(known)
+            value, partials = term.expression.partials({name: values[0] for name, values in known.items()})
             slope = np.zeros((chosen.count, len(x)))
             for name, derivative in partials.items():
                 slope += np.broadcast_to(derivative, chosen.count)[:, None] * slopes[name] * scaling
             values = np.broadcast_to(value, chosen.count).reshape(chosen.groups, chosen.draws)
             jacobians.append(term.measure.jacobian(values) @ slope)
         return jacobians
-
-    def _known_slopes(
-        self, source: Source, chosen: Scenarios, terms: list[Term]
-    ) -> tuple[dict[str, Array], dict[str, Array]]:
-        """All names in some terms at one design: values (scenarios,), and derivatives by the variables."""
-        factors = self.factors(chosen)
-        known = self.known(source, factors, [term.expression for term in terms])
-        learned = [name for name in known if name in ALL_QUANTITIES]
-        slopes = source.slopes(factors, learned, list(self.variables))
-        for name in (name for name in known if name not in learned):
-            unit = [float(name == variable) for variable in self.variables]
-            slopes[name] = np.broadcast_to(unit, (chosen.count, len(unit)))
-        return {name: values[0] for name, values in known.items()}, slopes
 
     def _quotients(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term]) -> list[Array]:
         """Jacobians of the rows by difference quotients, central where the range allows."""
