@@ -6,7 +6,7 @@ stand in docs/benchmark.md. A number has the digits that both methods support.
 
 import csv
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from math import floor, log10
@@ -98,7 +98,7 @@ def units(quantity: str) -> str:
     return next(names[quantity].units for names in (ALL_QUANTITIES, FACTORS) if quantity in names)
 
 
-def _paired(first: Answers, second: Answers, names: Sequence[str]) -> list[Number]:
+def _paired(first: Answers, second: Answers, names: Iterable[str]) -> list[Number]:
     return [Number(name, float(first[name]), float(second[name])) for name in names]
 
 
@@ -124,15 +124,13 @@ def film(case: Case, half: float, order: int = LINE_ORDER) -> list[Number]:
     loaded = case | {"load": _pressed(case, "load", half)}
     solved = solver.solve(loaded)
     contact = elements(loaded, float(half_length(solved)), order)
-    numbers = [Number("load", float(loaded["load"]), contact.load)]
+    computed = {"load": contact.load}
     if loaded.get("friction"):
-        numbers.append(
-            Number("contact_trailing", float(solved["contact_trailing"]), contact.half_length + contact.centre)
-        )
+        computed["contact_trailing"] = contact.half_length + contact.centre
     if loaded["base"] == "rigid":  # on a half-plane it depends on where it is measured from
-        numbers.append(Number("depth", float(solved["depth"]), contact.depth))
-    computed = {name: contact.potential(number) for name, number in POTENTIALS.items() if name in solved}
-    return [*numbers, *_paired(solved, computed, list(computed))]
+        computed["depth"] = contact.depth
+    computed |= {name: contact.potential(number) for name, number in POTENTIALS.items() if name in solved}
+    return _paired(solved.assign(load=loaded["load"]), computed, computed)
 
 
 def _pressed(case: Case, load: str, size: float) -> float:
@@ -176,12 +174,9 @@ def strips() -> list[Number]:
         "contact_trailing": other.half_length + other.centre,
         "electrode_pressure": -float(other.fields([0.0], thin)["stress_yy"][0]),
         "patch_charge_per_force": strip(place),
+        "crosstalk": strip(pitch) / strip(0.0),
     }
-    solved = solver.solve(case).assign(load=case["load"])
-    return [
-        *_paired(solved, answers, list(answers)),
-        Number("crosstalk", float(solved["crosstalk"]), strip(pitch) / strip(0.0)),
-    ]
+    return _paired(solver.solve(case).assign(load=case["load"]), answers, answers)
 
 
 def ball() -> list[Number]:
@@ -194,8 +189,8 @@ def ball_on_film(case: Case, radius: float) -> list[Number]:
     """A charged ball on a film, at a radius of the contact [m]."""
     pressed = case | {"force": _pressed(case, "force", radius)}
     solved, other = points.by_elements(pressed, POINT_ORDER)
-    numbers = [Number("force", float(pressed["force"]), other.force)]
-    return [*numbers, *_paired(solved, {"depth": other.depth, "voltage": other.voltage}, ("depth", "voltage"))]
+    answers = {"force": other.force, "depth": other.depth, "voltage": other.voltage}
+    return _paired(solved.assign(force=pressed["force"]), answers, answers)
 
 
 def disc() -> list[Number]:
@@ -218,10 +213,8 @@ def grounded(case: Case, body: surface.Body, curvatures: tuple[float, float], **
     fine = case | {"magnetic": "insulating", "grid_error": 2e-4}
     charge = float(solver.solve(fine)["charge_per_force"])
     depth = float(solver.solve(fine | {"total_charge": charge * case["force"]})["depth"])
-    return [
-        Number("charge_per_force", charge, state.charge / case["force"]),
-        Number("depth", depth, state.depth),
-    ]
+    numbers = {"charge_per_force": charge, "depth": depth}
+    return _paired(numbers, {"charge_per_force": state.charge / case["force"], "depth": state.depth}, numbers)
 
 
 def ellipsoid_on_film() -> list[Number]:
@@ -249,7 +242,7 @@ def ellipsoid_on_quartz() -> list[Number]:
         "contact_area": np.pi * abs(np.linalg.det(state.axes)),
     }
     whole = SurfaceBody((), solver.find("quartz").stiffness_tensor("X"))
-    return _paired(elliptic(whole, curvatures, force), answers, list(answers))
+    return _paired(elliptic(whole, curvatures, force), answers, answers)
 
 
 def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -> dict[str, float]:
