@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -233,15 +234,10 @@ def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
     elif "thickness" in study.factors:
         thickness = "thickness"
     below = {number for layer in study.body[1:] for number in layer.numbers.values()} | {"base_modulus"}
-    return {
-        "profile": drawn.profile,
-        "corner": drawn.corner,
+    return asdict(drawn) | {
         "size": size if size in study.factors else drawn.size,
-        "conducts": drawn.conducts,
         "thickness": thickness,
         "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what a slider moves would not follow
-        "grounded": drawn.grounded,
-        "top": drawn.top,
         "exponent": "exponent" if "exponent" in study.factors else drawn.exponent,
         "slides": "friction" if "friction" in study.factors else float(drawn.slides),
         "point": drawn.point,
