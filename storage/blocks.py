@@ -4,7 +4,7 @@ The file that `write_blocks` makes is one of `storage.netcdf`: it appears whole 
 as if it had been written at once, and equal data give equal bytes.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import prod
 from os import PathLike
@@ -33,75 +33,51 @@ from storage.sealed import appearing
 
 #: Attributes that `write_blocks` adds to every variable.
 STATISTICS = ("actual_range", "mean", "standard_deviation")
-_PORTION = 2**15  # numbers that are summed up at a time, while they are near the processor
-
 #: A region of an array: along every axis from where to where.
 Region = tuple[slice, ...]
 
 
-@dataclass
-class RunningStatistics:
-    """Extremes, mean and standard deviation of numbers that come in pieces (Chan, Golub and LeVeque 1979)."""
-
-    count: int = 0
-    mean: float = 0.0
-    squares: float = 0.0
-    low: float = np.inf
-    high: float = -np.inf
-
-    def add(self, values: NDArray[Any]) -> None:
-        """Take further numbers in; ValueError if one is not finite."""
-        flat = values.ravel()
-        for begin in range(0, flat.size, _PORTION):
-            part = flat[begin : begin + _PORTION]
-            low, high = float(part.min()), float(part.max())
-            if not (np.isfinite(low) and np.isfinite(high)):
-                raise ValueError(f"not finite in {values.dtype}")
-            exact = part.astype(np.float64)
-            mean = float(exact.sum()) / part.size
-            exact -= mean
-            total, step = self.count + part.size, mean - self.mean
-            self.squares += float(np.dot(exact, exact)) + step**2 * self.count * part.size / total
-            self.mean += step * part.size / total
-            self.low, self.high = min(self.low, low), max(self.high, high)
-            self.count = total
-
-    @property
-    def attrs(self) -> dict[str, Any]:
-        """Return the statistics as attributes of a variable; `actual_range` is CF's name, NaN without numbers."""
-        if not self.count:
-            return {"actual_range": [np.nan, np.nan], "mean": np.nan, "standard_deviation": np.nan}
-        deviation = float(np.sqrt(max(self.squares, 0.0) / max(self.count, 1)))
-        return {"actual_range": [self.low, self.high], "mean": self.mean, "standard_deviation": deviation}
+def pooled(counts: Sequence[int], parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return the statistics of all numbers from those of their parts; `actual_range` is CF's name, NaN without any."""
+    if not any(counts):
+        return dict(zip(STATISTICS, ([np.nan, np.nan], np.nan, np.nan), strict=True))
+    lows, highs = np.transpose([part["actual_range"] for part in parts])
+    means, deviations = np.transpose([[part["mean"], part["standard_deviation"]] for part in parts])
+    mean = float(np.average(means, weights=counts))
+    variance = float(np.average(deviations**2 + (means - mean) ** 2, weights=counts))
+    return dict(zip(STATISTICS, ([float(lows.min()), float(highs.max())], mean, variance**0.5), strict=True))
 
 
 @dataclass
 class _Stored:
-    """A variable of the file while it is written: what was summed up of it so far."""
+    """A variable of the file while it is written: how many values it has so far, and their statistics by region."""
 
     variable: "netCDF4.Variable[Any]"
     digest: Any
-    statistics: RunningStatistics = field(default_factory=RunningStatistics)
+    counts: list[int] = field(default_factory=list)
+    statistics: list[dict[str, Any]] = field(default_factory=list)
 
     def put(self, region: Region, values: NDArray[Any]) -> None:
         """Write the values of the next region; ValueError if one is not finite."""
         with np.errstate(over="ignore"):  # what is not finite is named below
             values = np.ascontiguousarray(values, dtype=self.variable.dtype)
-        try:
-            self.statistics.add(values)
-        except ValueError as error:
-            raise ValueError(f"{self.variable.name}: {error}") from None
+            exact = values.astype(np.float64)
+            if exact.size:
+                ends = [exact.min(), exact.max()]
+                if not np.isfinite(ends).all():
+                    raise ValueError(f"{self.variable.name}: not finite in {values.dtype}")
+                self.counts.append(exact.size)
+                self.statistics.append(dict(zip(STATISTICS, (ends, exact.mean(), exact.std()), strict=True)))
         self.variable[region] = values
         self.digest.update(contents(values))
 
     def completed(self, attrs: Mapping[Any, Any]) -> str:
         """Write the statistics of all values; the digest of the variable, which has further attributes."""
-        count, size, statistics = self.statistics.count, self.variable.size, self.statistics.attrs
-        statistics["actual_range"] = np.array(
-            statistics["actual_range"], dtype=self.variable.dtype
-        )  # CF asks for the same type
-        if count != size:
-            raise ValueError(f"{self.variable.name}: {count} of {size} values given")
+        if sum(self.counts) != self.variable.size:
+            raise ValueError(f"{self.variable.name}: {sum(self.counts)} of {self.variable.size} values given")
+        statistics = pooled(self.counts, self.statistics)
+        # CF asks for the same type
+        statistics["actual_range"] = np.array(statistics["actual_range"], dtype=self.variable.dtype)
         self.variable.setncatts(statistics)
         return finished(self.digest, {**attrs, **statistics})
 

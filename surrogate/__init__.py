@@ -37,24 +37,21 @@ __all__ = [
 ]
 
 # imported when asked for: most of a small job's time is imports
-_MODULES = {
-    "CrossGP": "surrogate.gp.crossgp",
-    "CurveGP": "surrogate.transforms.curves.curvegp",
-    "FactorialRegressor": "surrogate.use.estimator",
-    "FormatError": "storage.sealed",
-    "GaussianProcess": "surrogate.face.model",
-    "GridGP": "surrogate.gp.gridgp",
-    "Group": "surrogate.transforms.groups",
-    "GroupedGP": "surrogate.transforms.groupedgp",
-    "Grouping": "surrogate.transforms.groups",
-    "Input": "surrogate.data.inputs",
-    "OutOfBoxError": "surrogate.data.points",
-    "Scaling": "surrogate.transforms.groups",
-    "ScatterGP": "surrogate.gp.scattergp",
-    "chebyshev_levels": "surrogate.data.inputs",
-    "load": "surrogate.face.persistence",
-    "save": "surrogate.face.persistence",
+_NAMES = {
+    "storage.sealed": ("FormatError",),
+    "surrogate.data.inputs": ("Input", "chebyshev_levels"),
+    "surrogate.data.points": ("OutOfBoxError",),
+    "surrogate.face.model": ("GaussianProcess",),
+    "surrogate.face.persistence": ("load", "save"),
+    "surrogate.gp.crossgp": ("CrossGP",),
+    "surrogate.gp.gridgp": ("GridGP",),
+    "surrogate.gp.scattergp": ("ScatterGP",),
+    "surrogate.transforms.curves.curvegp": ("CurveGP",),
+    "surrogate.transforms.groupedgp": ("GroupedGP",),
+    "surrogate.transforms.groups": ("Group", "Grouping", "Scaling"),
+    "surrogate.use.estimator": ("FactorialRegressor",),
 }
+_MODULES = {name: module for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> object:

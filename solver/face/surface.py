@@ -1,7 +1,7 @@
 """Cases of contacts in space: from their factors to bodies and shapes, solved one by one, and their maps."""
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -18,7 +18,7 @@ from solver.arrays import Array, shown
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.factors import checked
-from solver.face.filmfactors import absent
+from solver.face.factorvalues import absent
 from solver.face.materials import elasticity_of, material_of
 from solver.face.refusal import CaseError, FactorError
 from solver.face.rows import Factors
@@ -33,6 +33,10 @@ from solver.surface.quantities import quantities, slopes_of
 from solver.surface.response import SurfaceBody, SurfaceError, SurfaceLayer
 from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, RoughSphere, Shape, sphere
 
+#: Shapes whose sizes have the names of their factors.
+_SHAPES: dict[str, Callable[..., Shape]] = {
+    "rough_sphere": RoughSphere, "ellipsoid": Ellipsoid, "cone": Cone, "sphere": sphere,
+}  # fmt: skip
 _LARGEST_MAP = 2**28  # bytes of a file of heights: 4096 x 4096 numbers of 16 characters
 _MECHANICAL = (
     "contact_area", "contact_length_x", "contact_length_y", "peak_pressure", "depth", "friction_force_x",
@@ -309,19 +313,9 @@ class _Contact:
             if profile == "roller":
                 crown = size["crown_radius"]
                 return Roller(size["radius"], size["length"], crown if crown > 0 else np.inf, size["tilt"])
-            if profile == "rough_sphere":
-                return RoughSphere(
-                    size["radius"],
-                    size["roughness"],
-                    size["longest_wavelength"],
-                    size["shortest_wavelength"],
-                    size["realisation"],
-                )
-            if profile == "ellipsoid":
-                return Ellipsoid(size["radius_x"], size["radius_y"])
-            if profile == "cone":
-                return Cone(size["slope"])
-            return Disc(size["width"] / 2) if profile == "disc" else sphere(size["radius"])
+            if profile == "disc":
+                return Disc(size["width"] / 2)
+            return _SHAPES[profile](**size)
         except SurfaceError as error:
             raise FactorError(str(error)) from None
 

@@ -10,17 +10,19 @@ beyond, X = 1 + (s - 1)/(2 - s), so that s = 2 at infinity. The coordinate of th
 logarithm from 0.1 h to 2 h. No largest von Mises stress lies deeper, and no tension as large as one at the least depth.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Set
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
+from approximation.arrays import Indices, blocks
 from solver.arrays import Array, BoolArray
 from solver.curves import REGIONS
 from solver.halfplane.contact import Contact
-from solver.halfplane.interior import InteriorParts, interior_parts, principal_tension, von_mises
+from solver.halfplane.interior import interior_parts, principal_tension, von_mises
+from solver.names import PEAKS
 
 DEPTH = 0.1  # of the half-width: the least depth
 _DEEPEST = 2.0  # of the half-width: the largest depth of the curves
@@ -44,29 +46,16 @@ _NOTHING = 1e-12  # of the pressure scale: a tension below it is none
 Measure = Callable[[Array, Array, Array, Array], Array]
 
 
-@dataclass(frozen=True, eq=False)
-class Peak:
-    """A largest stress [Pa] and its depth [m]; (...)."""
-
-    value: Array
-    depth: Array
-
-
-def peak_von_mises(contact: Contact) -> Peak:
-    """Largest von Mises stress below depth 0.1 h, to 1e-9 of itself."""
-    value, depth = _peak(contact, von_mises, *_starts(contact, von_mises, _BODY))
-    return Peak(contact.pressure_scale * value, contact.half_width * depth)
-
-
-def peak_principal_tension(contact: Contact) -> Peak:
-    """Largest principal stress below depth 0.1 h; 0, that of points far away, where no tension is found.
-
-    The depth is infinite where there is no tension.
-    """
-    value, depth = _peak(contact, principal_tension, *_starts(contact, principal_tension, _BODY, *_LINES))
-    none = value < _NOTHING
-    scale, half = contact.pressure_scale, contact.half_width
-    return Peak(np.where(none, 0.0, scale * value), np.where(none, np.inf, half * depth))
+def peaks(contact: Contact, requested: Set[str]) -> dict[str, Array]:
+    """Requested quantities of ``solver.names.PEAKS``, to 1e-9 of themselves; (...)."""
+    scale, out = contact.pressure_scale, dict[str, Array]()
+    if {"peak_von_mises", "peak_von_mises_depth"} & requested:
+        value, depth = _peak(contact, von_mises, *_starts(contact, von_mises, _BODY))
+        out |= {"peak_von_mises": scale * value, "peak_von_mises_depth": contact.half_width * depth}
+    if "peak_principal_tension" in requested:  # 0, that of points far away, where no tension is found
+        value, _ = _peak(contact, principal_tension, *_starts(contact, principal_tension, _BODY, *_LINES))
+        out["peak_principal_tension"] = np.where(value < _NOTHING, 0.0, scale * value)
+    return {name: out[name] for name in PEAKS if name in requested}
 
 
 def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array, Array]:
@@ -135,14 +124,9 @@ class _Stencil:
 
 def _stresses(contact: Contact, x: Array, y: Array) -> list[Array]:
     """Stresses over the pressure scale; (..., point) each."""
-    parts = interior_parts(contact, x, y, _STRESSES)
-    whole = _combined(parts, contact.relative_charge_density)
+    parts, e = interior_parts(contact, x, y, _STRESSES), contact.relative_charge_density[..., None, None, :]
+    whole = parts.of_load + e[..., 0] * parts.of_charges[0] + e[..., 1] * parts.of_charges[1]
     return [whole[..., k, :] for k in range(4)]
-
-
-def _combined(parts: InteriorParts, e: Array) -> Array:
-    electric, magnetic = (e[..., j, None, None] * parts.of_charges[j] for j in (0, 1))
-    return np.asarray(parts.of_load + electric + magnetic)
 
 
 def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Array]:
@@ -165,21 +149,23 @@ def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> t
     parts = interior_parts(contact, x, y, _STRESSES)
     e = contact.relative_charge_density
     shape = np.broadcast_shapes(parts.of_load.shape[:-2], parts.of_charges[0].shape[:-2], e.shape[:-1])
-    best, highest, largest = (np.empty((*shape, count)) for count in (_MAXIMA, _MAXIMA, 1))
-    for chunk in _chunks(shape, 4 * x.size):
-        block = InteriorParts(
-            _part(parts.of_load, chunk, 2),
-            (_part(parts.of_charges[0], chunk, 2), _part(parts.of_charges[1], chunk, 2)),
-        )
-        stresses = _combined(block, _part(e, chunk, 1))
-        values = measure(*(stresses[..., k, :] for k in range(4)))
-        grid = values.reshape(*values.shape[:-1], down.size, across.size)
+    count, scans = int(np.prod(shape)), list[tuple[Indices, Array, Array]]()
+    for block in blocks(count, max(1, _CHUNK // (4 * x.size))):
+        cases = np.unravel_index(np.arange(count)[block], (1, *shape))
+
+        def part(values: Array, cases: tuple[Indices, ...] = cases) -> Array:
+            return np.broadcast_to(values, (1, *shape, *values.shape[-2:]))[cases]
+
+        electric, magnetic = (part(e[..., j, None, None]) * part(parts.of_charges[j]) for j in (0, 1))
+        stresses = part(parts.of_load) + electric + magnetic
+        values = measure(*(stresses[:, k] for k in range(4)))
+        grid = values.reshape(-1, down.size, across.size)
         ranked = np.where(_is_top(grid), grid, -np.inf).reshape(values.shape)
-        order = np.argsort(-ranked, axis=-1)[..., :_MAXIMA]
-        best[chunk], highest[chunk] = order, np.take_along_axis(ranked, order, -1)
-        largest[chunk] = np.max(np.abs(stresses), axis=(-2, -1))[..., None]
-    places = best.astype(int)
-    return x[places], y[places], highest, largest
+        order = np.argsort(-ranked, axis=-1)[:, :_MAXIMA]
+        largest = np.max(np.abs(stresses), axis=(-2, -1))[:, None]
+        scans.append((order, np.take_along_axis(ranked, order, -1), largest))
+    best, highest, largest = (np.concatenate(values).reshape(*shape, -1) for values in zip(*scans, strict=True))
+    return x[best], y[best], highest, largest
 
 
 def _is_top(grid: Array) -> BoolArray:
@@ -195,66 +181,24 @@ def _is_top(grid: Array) -> BoolArray:
 
 def _newton_step(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
     """Step up, in steps of the stencil, no longer than the reach and not above the ceiling; each (...)."""
-    gradient, curvature = _derivatives(around)
-    dx, dy = _uphill(gradient, curvature)
-    # at the ceiling the step is along it; its own curvature counts there
-    held = dy > ceiling
-    (gx, _), (xx, _, xy) = gradient, curvature
-    alone = -(gx + xy * ceiling) / -np.maximum(np.abs(xx), _least_curvature(curvature))
-    dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
-    length = np.hypot(dx, dy)
-    short = np.minimum(length, reach) / np.maximum(length, _TINY)
-    return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
-
-
-def _derivatives(around: Array) -> tuple[tuple[Array, Array], tuple[Array, Array, Array]]:
-    """Gradient (x, y) and curvature (xx, yy, xy) by differences on the stencil; each (...)."""
     sw, s, se, w, centre, e, nw, n, ne = np.moveaxis(around, -1, 0)
-    gradient = (e - w) / 2, (n - s) / 2
-    return gradient, (e + w - 2 * centre, n + s - 2 * centre, (ne - nw - se + sw) / 4)
-
-
-def _uphill(gradient: tuple[Array, Array], curvature: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-    """Newton step with the eigenvalues of the curvature made negative, so that it goes up from a saddle too."""
-    (gx, gy), (xx, yy, xy) = gradient, curvature
-    mean, half = _mean_and_half(curvature)
-    least = _least_curvature(curvature)
+    gx, gy = (e - w) / 2, (n - s) / 2
+    xx, yy, xy = e + w - 2 * centre, n + s - 2 * centre, (ne - nw - se + sw) / 4
+    # the eigenvalues of the curvature, mean +- half, are made negative, so that the step goes up from a saddle too
+    mean, half = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    least = 1e-3 * (np.abs(mean) + half) + _TINY
     high, low = -np.maximum(np.abs(mean + half), least), -np.maximum(np.abs(mean - half), least)
     angle = np.arctan2(2 * xy, xx - yy) / 2
     cos, sin = np.cos(angle), np.sin(angle)
     along, over = -(cos * gx + sin * gy) / high, -(-sin * gx + cos * gy) / low
-    return cos * along - sin * over, sin * along + cos * over
-
-
-def _mean_and_half(curvature: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-    """The eigenvalues of the curvature are mean +- half."""
-    xx, yy, xy = curvature
-    return (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
-
-
-def _least_curvature(curvature: tuple[Array, Array, Array]) -> Array:
-    """Sizes of curvature below it count as it."""
-    mean, half = _mean_and_half(curvature)
-    return 1e-3 * (np.abs(mean) + half) + _TINY
-
-
-def _chunks(shape: tuple[int, ...], per_case: int) -> Iterator[tuple[slice, ...]]:
-    """Slices over the longest axis that keep the arrays of a scan small."""
-    if not shape:
-        yield ()
-        return
-    axis = int(np.argmax(shape))
-    other_axes = int(np.prod(shape)) // max(shape[axis], 1)
-    count = max(1, _CHUNK // max(per_case * other_axes, 1))
-    for start in range(0, shape[axis], count):
-        yield tuple(slice(start, start + count) if k == axis else slice(None) for k in range(len(shape)))
-
-
-def _part(values: Array, chunk: tuple[slice, ...], point_axes: int) -> Array:
-    """The chunk of an array whose case axes may be of length one or missing; its last ``own`` axes stay."""
-    axes = values.ndim - point_axes
-    block = chunk[len(chunk) - axes :] if axes else ()
-    return values[tuple(slice(None) if size == 1 else part for size, part in zip(values.shape, block, strict=False))]
+    dx, dy = cos * along - sin * over, sin * along + cos * over
+    # at the ceiling the step is along it; its own curvature counts there
+    held = dy > ceiling
+    alone = (gx + xy * ceiling) / np.maximum(np.abs(xx), least)
+    dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
+    length = np.hypot(dx, dy)
+    short = np.minimum(length, reach) / np.maximum(length, _TINY)
+    return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
 
 
 def body_curves(contact: Contact) -> dict[str, Array]:

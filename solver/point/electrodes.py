@@ -21,7 +21,6 @@ from solver.point.body import Film
 from solver.point.contact import PointContact
 from solver.point.hankel import even_orders
 from solver.point.sliding import Rubbed
-from solver.point.surface import BelowPunch
 from solver.point.system import halfspace_terms
 from solver.point.table import PointWindow
 from solver.point.tractions import Tractions
@@ -71,7 +70,6 @@ class _OfPoint(Collected):
             count = max(count, int(np.max(self.radius) * self.k[-1] / 2) + 12)
         self.terms = np.einsum("ind,cd->cin", halfspace_terms(film.kind.compliance, shape, count), causes)
         self.terms[..., : added.shape[-1]] += added
-        self.tractions = BelowPunch(contact, places, added)
 
     def _pressure(self) -> Array:
         pressure = self._integrated(1, lambda cases, k: k / (2 * np.pi) * np.ones((cases.size, 1)))

@@ -1,6 +1,6 @@
 """Query points by name: from scalars, arrays and labelled arrays to one array of points, and back."""
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -24,7 +24,6 @@ EVEN = "evenly_drawn"
 
 #: The dimension of the rows of a table, as in the answers of the solver.
 CASE = "case"
-Attrs = Mapping[str, Mapping[str, str]]
 
 
 @runtime_checkable
@@ -54,18 +53,11 @@ class Points:
     # Every input with its units over the dimensions that it was given on, and labels that these brought along
     coords: Mapping[Hashable, xr.Variable]
 
-    def dataset(self, values: Mapping[str, tuple[NDArray[Any], Mapping[str, str]]]) -> xr.Dataset:
-        """Label one value per point of every name, with its attributes: (n,) each -> the shape of the broadcast."""
-        # variables spare xarray the merging of the same coordinates once an output
-        variables = {
-            name: xr.Variable(self.dims, array.reshape(self.shape), attrs) for name, (array, attrs) in values.items()
-        }
-        return xr.Dataset(variables, self.coords)
-
-    def flat(self, array: xr.DataArray) -> Array:
-        """Broadcast an array to the points: (n,)."""
+    def stacked(self, dataset: xr.Dataset, names: Sequence[str]) -> Array:
+        """Broadcast variables of a data set to the points: (len(names), n)."""
         like = xr.DataArray(np.zeros(self.shape), self.coords, self.dims)
-        return np.asarray(array.broadcast_like(like).transpose(*self.dims).values, dtype=np.float64).ravel()
+        columns = (dataset[name].broadcast_like(like).transpose(*self.dims) for name in names)
+        return np.stack([np.asarray(column.values, dtype=np.float64).ravel() for column in columns])
 
 
 def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
@@ -233,31 +225,3 @@ def _as_array(name: str, value: object, names: Sequence[str]) -> xr.DataArray:
                 f"input {name!r} has a dimension of an input's name, {dim!r}; only {dim!r} itself may, alone"
             )
     return array if array.dtype == np.float64 else array.astype(np.float64)
-
-
-class Labels:
-    """Maker of a model's data sets."""
-
-    def __init__(self, attrs: Attrs) -> None:
-        self.attrs = attrs
-        self._forms: dict[Hashable, xr.Dataset] = {}
-
-    def dataset(
-        self, kind: Hashable, named: Points, values: Mapping[str, NDArray[Any]], attrs: Callable[[], Attrs]
-    ) -> xr.Dataset:
-        """Label one value per point of every name."""
-        if named.dims:
-            return self._made(named, values, attrs())
-        numbers = {name: array.reshape(()) for name, array in values.items()}
-        form = self._forms.get(kind)
-        if form is None:
-            self._forms[kind] = form = self._made(named, values, attrs())
-        # to check the names, shapes and coordinates of an answer costs more than the answer: the first one's are kept
-        copied = form.copy(data=numbers)
-        for name, coord in named.coords.items():
-            copied.variables[name].values = coord.values
-        return copied
-
-    @staticmethod
-    def _made(named: Points, values: Mapping[str, NDArray[Any]], attrs: Attrs) -> xr.Dataset:
-        return named.dataset({name: (array, attrs[name]) for name, array in values.items()})

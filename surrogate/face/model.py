@@ -1,7 +1,7 @@
 """Answers by name, with intervals: the face that all surrogates share, fitted, judged and calibrated on cases."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from copy import copy
 from functools import partial
 from html import escape
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from approximation.arrays import Array, Flags, Indices, blocks, unmasked
 from surrogate.data.inputs import Input, physical_points, unit_coordinates
-from surrogate.data.points import EVEN, Attrs, Labels, Points, Queries, named_points, outside, require_inside
+from surrogate.data.points import EVEN, Points, Queries, named_points, outside, require_inside
 from surrogate.intervals.calibration import MINIMUM, Calibration
 from surrogate.intervals.conformal import calibrate
 from surrogate.intervals.copula import ends
@@ -24,8 +24,6 @@ from surrogate.intervals.guard import sharing
 BLOCK = 2048
 # Standard deviations below are zero: rounding that keeps logarithms finite, as of an output that is 0 everywhere.
 SMALLEST = float(np.finfo(np.float64).tiny ** 0.25)
-#: Attributes of the variable that tells where an answer is outside of the trained box.
-EXTRAPOLATED = {"extrapolated": {"long_name": "outside the trained box"}}
 #: Outputs that a line names; of more it tells how many there are.
 NAMED = 12
 
@@ -102,9 +100,9 @@ class GaussianProcess(ABC):
     made_from_: str = ""
     calibration_: Calibration | None
     level_: float = NOMINAL
-    _made_labels: Labels | None = None
-    # ends of one level, with what they were made from: a query alone asks for the same again and again
-    _made_ends: tuple[Calibration | None, float, Array] | None = None
+    # answers at one point by their parts, and the `attrs_` in them: to check the names, shapes and coordinates of an
+    # answer costs more than the answer, so that the first one of each kind is copied
+    _forms: tuple[dict[str, dict[str, str]], dict[Hashable, xr.Dataset]] | None = None
 
     def fit(self, X: xr.Dataset) -> Self:
         """Fit to a data set that holds inputs and outputs."""
@@ -116,8 +114,8 @@ class GaussianProcess(ABC):
         """Number of parts that the variance is the sum of."""
 
     @abstractmethod
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
-        """Return means and variances, (p, B) each; without weights of the variance's parts, (parts, p), no variance."""
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
+        """Return means and variances, (p, B) each; these are zero without weights of their parts, (parts, p)."""
 
     @abstractmethod
     def slopes(self, t: Array) -> Array:
@@ -211,8 +209,7 @@ class GaussianProcess(ABC):
 
         points, truth = self.cases(X if y is None else X.merge(y, join="exact"))
         named = named_points(points, self.inputs_)
-        true = np.stack([named.flat(truth[name]) for name in self.outputs_], axis=1)
-        return float(r2_score(true, self.predict_array(named.X)))
+        return float(r2_score(named.stacked(truth, self.outputs_).T, self.predict_array(named.X)))
 
     def cases(self, dataset: xr.Dataset) -> tuple[dict[str, xr.DataArray], xr.Dataset]:
         """Take a data set of cases, factorial or scattered, apart into points and true outputs.
@@ -258,7 +255,7 @@ class GaussianProcess(ABC):
                 f"calibration needs at least {MINIMUM} cases, got {np.count_nonzero(even)}; about 10,000 make it local"
             )
         t = unit_coordinates(self.inputs_, named.X)
-        true = np.stack([named.flat(truth[name]) for name in self.outputs_])
+        true = named.stacked(truth, self.outputs_)
         bad = ~np.isfinite(true).all(axis=1)
         if bad.any():
             raise ValueError(f"output {self.outputs_[int(bad.argmax())]!r} is not finite in a case of the calibration")
@@ -312,17 +309,9 @@ class GaussianProcess(ABC):
         ValueError
             Missing or unknown inputs, NaN, shapes, dimensions or coordinates that do not fit or span over 1e7 points.
         """
-        named, parts, flags = self._asked(points, return_std, extrapolate)
-        values = {
-            f"{name}{suffix}": part[k]
-            for k, name in enumerate(self.outputs_)
-            for suffix, part in zip(("", "_std"), parts, strict=False)
-        }
-
-        def attrs() -> Attrs:
-            return self._worded({"": "", "_std": "standard deviation of "})
-
-        return self._labels().dataset(("predict", return_std, extrapolate), named, {**values, **flags}, attrs)
+        named, mean, std = self._asked(points, return_std, extrapolate)
+        deviations = {("_std", "standard deviation of {}"): std} if return_std else {}
+        return self._labelled(named, {("", "{}"): mean, **deviations}, extrapolate)
 
     @overload
     def predict_array(
@@ -353,7 +342,7 @@ class GaussianProcess(ABC):
             The points have a wrong shape.
         """
         mean, std = self._answers(self._plain(X), return_std, extrapolate)
-        return (mean.T, std.T) if std is not None else mean.T
+        return (mean.T, std.T) if return_std else mean.T
 
     def _plain(self, X: NDArray[np.floating[Any]]) -> Array:
         """Plain points, (n, d), NaN where a cell is masked; ValueError for another shape."""
@@ -390,29 +379,18 @@ class GaussianProcess(ABC):
         named = named_points(points, self.inputs_)
         if not extrapolate:
             require_inside(named.X, self.inputs_)
-        slopes = self.physical_slopes(named.X, self.slopes)
-        parts = {("", "derivative"): slopes}
+        slopes = self.physical_slopes(named.X, self.slopes).swapaxes(0, 1)
+        parts = {("", "derivative of {} with respect to the input"): slopes}
         if return_std:
-            std = self.physical_slopes(named.X, self.slope_stds)
-            parts["_std", "standard deviation of the derivative"] = std
-            for end, deviations in zip(("lower", "upper"), self.distribution.ends(level), strict=True):
-                parts[f"_{end}", f"{end} end of the {100 * level:g} % interval of the derivative"] = (
-                    slopes + deviations[:, None] * std
-                )
+            std = self.physical_slopes(named.X, self.slope_stds).swapaxes(0, 1)
+            parts["_std", "standard deviation of the derivative of {} with respect to the input"] = std
+            parts |= self._ends(level, slopes, std, "the derivative of {} with respect to the input")
         coords = {
             "input": [input_.name for input_ in self.inputs_],
             "input_units": ("input", [i.units for i in self.inputs_]),
         }
-        answer = {}
-        for (suffix, what), values in parts.items():
-            for k, name in enumerate(self.outputs_):
-                attrs = self.attrs_[name]
-                derivative = {"long_name": f"{what} of {attrs.get('long_name', name)} with respect to the input"}
-                derivative |= {"units": f"({attrs['units']}) / input_units"} if "units" in attrs else {}
-                slopes_of_output = values[:, k].reshape(len(self.inputs_), *named.shape)
-                answer[f"{name}{suffix}"] = xr.Variable(("input", *named.dims), slopes_of_output, derivative)
-        flags = {name: (flag, EXTRAPOLATED[name]) for name, flag in self._flags(named, extrapolate).items()}
-        return named.dataset(flags).assign_coords(coords).assign(answer)
+        answer = self._labelled(named, parts, extrapolate, ("input",), "({}) / input_units")
+        return answer.assign_coords(coords)
 
     def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
         """Return the derivatives of the means at plain points, in physical units: X (n, d) -> (n, n_outputs, d).
@@ -433,38 +411,60 @@ class GaussianProcess(ABC):
 
             raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
-    def _asked(
-        self, points: Queries, with_std: bool, extrapolate: bool
-    ) -> tuple[Points, list[Array], dict[str, Flags]]:
+    def _asked(self, points: Queries, with_std: bool, extrapolate: bool) -> tuple[Points, Array, Array]:
+        """Points by name, and means and, if wanted, standard deviations there, (p, n) each."""
         self._require_fitted()
         named = named_points(points, self.inputs_)
-        parts = self._answers(named.X, with_std, extrapolate)
-        return named, [part for part in parts if part is not None], self._flags(named, extrapolate)
+        return named, *self._answers(named.X, with_std, extrapolate)
 
-    def _flags(self, named: Points, extrapolate: bool) -> dict[str, Flags]:
-        """Return the variable `extrapolated`, which marks points outside the box; empty without `extrapolate`."""
-        return {"extrapolated": ~self.has_answers(named.X)} if extrapolate else {}
+    def _labelled(
+        self,
+        named: Points,
+        parts: Mapping[tuple[str, str], Array],
+        extrapolate: bool,
+        leading: tuple[str, ...] = (),
+        units: str = "{}",
+    ) -> xr.Dataset:
+        """Label the parts of an answer, (p, ..., n), known by how their names end and what they are of an output.
 
-    def _worded(self, suffixes: Mapping[str, str]) -> Attrs:
-        """Attributes of the outputs with suffixes, whose meanings begin with the words of the suffix."""
-        worded = {
-            f"{name}{suffix}": {**attrs, "long_name": words + attrs.get("long_name", name)} if words else attrs
-            for name, attrs in self.attrs_.items()
-            for suffix, words in suffixes.items()
+        leading: dimensions before those of the points; units: those of the parts, of an output's.
+        """
+        values = {
+            f"{name}{suffix}": rows.reshape((*rows.shape[:-1], *named.shape))
+            for name, *columns in zip(self.outputs_, *parts.values(), strict=True)
+            for (suffix, _), rows in zip(parts, columns, strict=True)
         }
-        return {**worded, **EXTRAPOLATED}
+        if extrapolate:
+            values["extrapolated"] = ~self.has_answers(named.X).reshape(named.shape)
+        if self._forms is None or self._forms[0] is not self.attrs_:
+            self._forms = self.attrs_, {}
+        forms, kind = self._forms[1], (*parts, extrapolate)
+        if named.dims or leading or kind not in forms:
+            attrs = {"extrapolated": {"long_name": "outside the trained box"}}
+            for name, known in self.attrs_.items():
+                for suffix, meaning in parts:
+                    said = {} if meaning == "{}" else {"long_name": meaning.format(known.get("long_name", name))}
+                    said |= {"units": units.format(known["units"])} if "units" in known else {}
+                    attrs[f"{name}{suffix}"] = {**known, **said}
+            dims = (*leading, *named.dims)  # whether a point is extrapolated has no leading ones
+            variables = {
+                name: xr.Variable(dims[len(dims) - array.ndim :], array, attrs[name]) for name, array in values.items()
+            }
+            answer = xr.Dataset(variables, named.coords)
+            if dims:
+                return answer
+            forms[kind] = answer
+        copied = forms[kind].copy(data=values)
+        for label, coordinate in named.coords.items():
+            copied.variables[label].values = coordinate.values
+        return copied
 
-    def _labels(self) -> Labels:
-        if self._made_labels is None or self._made_labels.attrs is not self.attrs_:
-            self._made_labels = Labels(self.attrs_)
-        return self._made_labels
-
-    def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array | None]:
+    def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array]:
         """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
         if not extrapolate:
             require_inside(X, self.inputs_)
         mean, std = self.all_mean_std(X, return_std)
-        return mean, None if std is None else np.where(std < SMALLEST, 0.0, std)
+        return mean, np.where(std < SMALLEST, 0.0, std)
 
     def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:
         """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
@@ -506,15 +506,16 @@ class GaussianProcess(ABC):
         True
         """
         level = self.checked_level(level)
-        named, (mean, std), flags = self._asked(points, True, extrapolate)
-        deviations = self._ends(level)[..., None]
-        end_values = {end: mean + score * std for end, score in zip(("lower", "upper"), deviations, strict=True)}
-        values = {f"{name}_{end}": end_values[end][k] for k, name in enumerate(self.outputs_) for end in end_values}
+        named, mean, std = self._asked(points, True, extrapolate)
+        return self._labelled(named, self._ends(level, mean, std, "{}"), extrapolate)
 
-        def attrs() -> Attrs:
-            return self._worded({f"_{end}": f"{end} end of the {100 * level:g} % interval of " for end in end_values})
-
-        return self._labels().dataset(("interval", level, extrapolate), named, values | flags, attrs)
+    def _ends(self, level: float, mean: Array, std: Array, what: str) -> dict[tuple[str, str], Array]:
+        """Ends of the interval of a level about means, (p, ..., n), by how their names end and what they are."""
+        deviations = self.distribution.ends(level).reshape(2, -1, *[1] * (mean.ndim - 1))
+        return {
+            (f"_{end}", f"{end} end of the {100 * level:g} % interval of {what}"): mean + score * std
+            for end, score in zip(("lower", "upper"), deviations, strict=True)
+        }
 
     def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
         """Return the values that the true output stays below with probability q.
@@ -544,18 +545,11 @@ class GaussianProcess(ABC):
         most = (1 + self.distribution.highest_level()) / 2
         for probability in probabilities[~((1 - most <= probabilities) & (probabilities <= most))]:
             raise ValueError(f"q {probability:g} is not between {1 - most:.4g} and {most:.10g}{self._told()}")
-        named, (mean, std), flags = self._asked(points, True, extrapolate)
-        deviations = np.broadcast_to(self.distribution.quantile(probabilities).T, (len(mean), len(probabilities)))[
-            ..., None
-        ]
-        values = mean[:, None] + deviations * std[:, None]
+        named, mean, std = self._asked(points, True, extrapolate)
+        values = mean[:, None] + self.distribution.quantile(probabilities).T[..., None] * std[:, None]
         coordinate = ("quantile", probabilities, {"long_name": "probability of no more"})
-        columns = {
-            name: xr.Variable(("quantile", *named.dims), rows.reshape(-1, *named.shape), self.attrs_[name])
-            for name, rows in zip(self.outputs_, values, strict=True)
-        }
-        flagged = named.dataset({name: (flag, EXTRAPOLATED[name]) for name, flag in flags.items()})
-        quantiles = flagged.assign(columns).assign_coords(quantile=coordinate)
+        quantiles = self._labelled(named, {("", "{}"): values}, extrapolate, ("quantile",))
+        quantiles = quantiles.assign_coords(quantile=coordinate)
         return quantiles if np.ndim(q) else quantiles.isel(quantile=0)
 
     def ends_of_sum(self, X: NDArray[np.floating[Any]], weights: Array, level: float | None = None) -> Array:
@@ -603,32 +597,21 @@ class GaussianProcess(ABC):
         """
         level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
-        lower, upper = (mean + deviations * std for deviations in self._ends(level))
+        lower, upper = (mean + deviations * std for deviations in self.distribution.ends(level))
         return lower, upper
 
-    def _ends(self, level: float) -> Array:
-        """Ends of the central interval of a level in standard deviations, (2, p) or (2, 1)."""
-        cached = self._made_ends
-        if cached is None or cached[0] is not self.calibration_ or cached[1] != level:
-            cached = self._made_ends = (self.calibration_, level, self.distribution.ends(level))
-        return cached[2]
-
-    def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+    def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array]:
         """Return the same as `mean_std` at any number of points (n, d), block by block: (p, n) each."""
         mean = np.empty((len(self.outputs_), len(X)))
-        std = np.empty_like(mean) if with_std else None
+        std = np.empty_like(mean)
         for block in blocks(len(X), BLOCK):
-            mean[:, block], deviation = self.mean_std(X[block], with_std)
-            if std is not None and deviation is not None:
-                std[:, block] = deviation
+            mean[:, block], std[:, block] = self.mean_std(X[block], with_std)
         return mean, std
 
-    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array]:
         """Return means and, if wanted, calibrated standard deviations at physical points (B, d): (p, B) each."""
-        t, calibration = unit_coordinates(self.inputs_, X), self.calibration_
+        t, calibration = unit_coordinates(self.inputs_, X), self.calibration_ if with_std else None
         mean, variance = self.mean_variance(t, self._weights() if with_std else None)
-        if not with_std or variance is None:
-            return mean, None
         return mean, np.sqrt(variance) if calibration is None else calibration.std(variance, t)
 
     def means(self, t: Array) -> Array:
@@ -641,8 +624,7 @@ class GaussianProcess(ABC):
 
     def variance(self, t: Array, weights: Array) -> Array:
         """Return the variance of `mean_variance`, (p, B)."""
-        variance = self.mean_variance(t, weights)[1]
-        return np.zeros((len(self.outputs_), t.shape[1])) if variance is None else variance
+        return self.mean_variance(t, weights)[1]
 
     def physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
         """Return derivatives by physical inputs at points (n, d), (d, p, n), of a function that gives scaled ones.

@@ -33,7 +33,7 @@ ENGINES = {
     "scatter": ("gp.scattergp", "ScatterGP"),
     "grouped": ("transforms.groupedgp", "GroupedGP"),
     "curves": ("transforms.curves.curvegp", "CurveGP"),
-    "corrected": ("transforms.measured.corrected", "CorrectedGP"),
+    "corrected": ("transforms.measured", "CorrectedGP"),
 }
 _LEVELS = r"level_\d+"
 #: Most of each dimension, of a model or a member: a matrix is decomposed over levels and over cases.

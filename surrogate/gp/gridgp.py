@@ -315,16 +315,14 @@ class GridGP(GaussianProcess):
         return len(self.inputs_)
 
     @override
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
         features = self._features(t)
         mean = self.train_.evaluate([features[k].mean for k in self.order_])
         mean *= self.scale_[:, None]
         mean += self.offset_[:, None]
         if self.correction_ is not None:
             mean += self.correction_.values(t)
-        if weights is None:
-            return mean, None
-        return mean, self._variance(features, weights)
+        return mean, np.zeros_like(mean) if weights is None else self._variance(features, weights)
 
     @override
     def slopes(self, t: Array) -> Array:

@@ -315,11 +315,12 @@ class ScatterGP(GaussianProcess):
         return inputs, output_names(X, self.outputs, exclude=())
 
     @override
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
         """Return means and variances; beyond the kernel's end a mean stays, and its deviation grows by its slope."""
         X = t.T / REACH
         if weights is None:
-            return np.stack([regressor.predict(X) for regressor in self.regressors_]), None
+            mean = np.stack([regressor.predict(X) for regressor in self.regressors_])
+            return mean, np.zeros_like(mean)
         with warnings.catch_warnings():
             # at a training point the variance is zero up to rounding, and scikit-learn warns of its sign
             warnings.filterwarnings("ignore", message="Predicted variances smaller than 0")

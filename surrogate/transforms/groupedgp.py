@@ -10,7 +10,7 @@ from typing_extensions import override
 
 from approximation.arrays import Array
 from surrogate.data.inputs import Input, stored_inputs, unit_coordinates
-from surrogate.data.points import EVEN
+from surrogate.data.points import EVEN, named_points
 from surrogate.face.model import GaussianProcess
 from surrogate.gp.gridgp import KERNEL, GridGP
 from surrogate.transforms.groups import Grouping, Scales, Scaling
@@ -114,13 +114,9 @@ class GroupedGP(Transformed):
             raise ValueError("the calibration's outer guard has other inputs")
         self._scales = self.grouping.scales(self.outputs_)
 
-    def _points(self, data: xr.Dataset) -> tuple[xr.DataArray, Array]:
-        """Inputs broadcast against each other: the first of them, and all in a row for each place, (n, d)."""
-        columns = xr.broadcast(*(data[input_.name].reset_coords(drop=True) for input_ in self.grouping.inputs))
-        return columns[0], np.stack([column.values.ravel() for column in columns], axis=1)
-
     def _check_axes(self, X: xr.Dataset) -> None:
-        like, points = self._points(X)
+        columns = xr.broadcast(*(X[input_.name].reset_coords(drop=True) for input_ in self.grouping.inputs))
+        like, points = columns[0], np.stack([column.values.ravel() for column in columns], axis=1)
         for axis, values in zip(self.grouping.axes, self.grouping.products.values(points).T, strict=True):
             if axis.name not in X.dims and axis.name not in X.coords:
                 raise ValueError(f"axis {axis.name!r} is no dimension of the data set")
@@ -132,15 +128,15 @@ class GroupedGP(Transformed):
         """Make means and distributions right on held-out cases in the box, as `GridGP.calibrate`, over the axes."""
         points, truth = self.cases(dataset)
         cases = xr.Dataset({**{name: column.reset_coords(drop=True) for name, column in points.items()}, **truth})
-        like, X = self._points(cases)
+        named = named_points(points, self.inputs_)
         axes = {
-            axis.name: (like.dims, values.reshape(like.shape))
-            for axis, values in zip(self.grouping.axes, self.grouping.products.values(X).T, strict=True)
+            axis.name: (named.dims, values.reshape(named.shape))
+            for axis, values in zip(self.grouping.axes, self.grouping.products.values(named.X).T, strict=True)
         }
         held = self.grouping.reduced(cases, self.outputs_).assign(axes)
         if EVEN in dataset:
             held = held.assign({EVEN: dataset[EVEN].reset_coords(drop=True)})
-        self.reduced_.calibrate_under(held, unit_coordinates(self.inputs_, X))
+        self.reduced_.calibrate_under(held, unit_coordinates(self.inputs_, named.X))
         self.calibration_ = self.reduced_.calibration_
         return self
 
@@ -176,10 +172,10 @@ class GroupedGP(Transformed):
         return self.reduced_.calibrated_at(self.grouping.products.values(X))
 
     @override
-    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array | None]:
+    def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array]:
         learnt, spread = self.reduced_.mean_std(self.grouping.products.values(X), with_std)
         mean = self._scales.untransform(learnt, X)
-        return mean, None if spread is None else spread * self._scales.sizes(X, mean) * self._guarded(X)
+        return mean, spread * self._scales.sizes(X, mean) * self._guarded(X) if with_std else spread
 
     def _guarded(self, X: Array) -> Array | float:
         """Return the factors (p, n) on calibrated deviations at points (n, d), by their position in the box."""
@@ -187,12 +183,12 @@ class GroupedGP(Transformed):
         return 1.0 if outer is None else np.exp(outer.at(np.clip(unit_coordinates(self.inputs_, X), -1, 1)).T)
 
     @override
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
         X = self.physical(t)
         axes = unit_coordinates(self.grouping.axes, self.grouping.products.values(X))
         learnt, variance = self.reduced_.mean_variance(axes, weights)
         mean = self._scales.untransform(learnt, X)
-        return mean, None if variance is None else variance * self._scales.sizes(X, mean) ** 2
+        return mean, variance if weights is None else variance * self._scales.sizes(X, mean) ** 2
 
     @override
     def slopes(self, t: Array) -> Array:
@@ -220,12 +216,10 @@ class GroupedGP(Transformed):
 
         slopes = self.reduced_.physical_slopes(self.grouping.products.values(X), stds)
         mean, variance = self.mean_variance(t, weights)
-        return self._together(X, slopes, mean, None if variance is None else np.sqrt(variance)) ** 2
+        return self._together(X, slopes, mean, np.sqrt(variance)) ** 2
 
-    def _together(self, X: Array, slopes: Array, mean: Array, std: Array | None) -> Array:
-        squares = (self._chained(X, slopes, mean) ** 2).sum(axis=1)
-        if std is not None:
-            squares += (self._scales.steepness(X) * std) ** 2
+    def _together(self, X: Array, slopes: Array, mean: Array, std: Array) -> Array:
+        squares = (self._chained(X, slopes, mean) ** 2).sum(axis=1) + (self._scales.steepness(X) * std) ** 2
         return np.asarray(np.sqrt(squares) / self.unit_slopes(X))
 
     def _chained(self, X: Array, slopes: Array, mean: Array) -> Array:

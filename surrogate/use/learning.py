@@ -23,8 +23,7 @@ from scipy.linalg import cho_solve
 
 from approximation.arrays import Array, Flags, Indices
 from surrogate.data.inputs import Input, unit_coordinates
-from surrogate.data.measurements import Measurements
-from surrogate.transforms.measured.discrepancy import Discrepancy, Draw, mixture, moments, posterior
+from surrogate.transforms.measured import Discrepancy, Draw, Measurements, mixture, moments, posterior
 
 #: Prior of a discrepancy's amplitude over the size of its output: the density falls as a^-1/2, faster from here on.
 AMPLITUDE = 0.2

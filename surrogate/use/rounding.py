@@ -51,11 +51,11 @@ class RoundedGP(GridGP):
         return part
 
     @override
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
         sizes = dict(zip(self.order_, self.chebyshev_.modes, strict=True))
         features = [_polynomials(t[k].astype(self.arithmetic), sizes[k]) for k in self.order_]
         mean = self.chebyshev_.evaluate(features) + self.offset_[:, None].astype(self.arithmetic)
-        variance = None if weights is None else super().mean_variance(t, weights)[1]
+        variance = np.zeros(mean.shape) if weights is None else super().mean_variance(t, weights)[1]
         return mean.astype(np.float64), variance
 
     @override

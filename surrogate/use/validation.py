@@ -13,6 +13,7 @@ from approximation import chebyshev
 from approximation.arrays import Array, Flags, blocks
 from surrogate.data.factorial import complete_factorial
 from surrogate.data.inputs import Input, unit_coordinates
+from surrogate.data.points import named_points
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.transforms.transformed import groups_of
@@ -58,22 +59,19 @@ ELEMENTS = 2**22
 def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | None) -> xr.Dataset:
     """Compare a model with held-out truth."""
     points, truth = model.cases(cases)
-    predicted = model.predict(points)
-    names = list(model.outputs_)
-    true = _stack(truth, names, predicted)
+    named, names = named_points(points, model.inputs_), list(model.outputs_)
+    true = named.stacked(truth, names)
     if not np.isfinite(true).all():
         raise ValueError(
             f"output {names[int(np.argmin(np.isfinite(true).all(axis=1)))]!r} is not finite in a held-out case"
         )
-    mean = _stack(predicted, names, predicted)
-    std = _stack(predicted, [f"{name}_std" for name in names], predicted)
+    mean, std = (part.T for part in model.predict_array(named.X, return_std=True))
     spread = np.ptp(true, axis=1)
     over = np.where(spread > 0, spread, 1.0)[:, None]
     error = (mean - true) / over
     held = np.stack([_inside(true, mean, std, model.distribution, level) for level in LEVELS], axis=1)
     inside = held[:, LEVELS.index(NOMINAL)]
-    X = _stack(points, list(model.box), predicted).T
-    by_decile = np.stack([_by_decile(column, inside) for column in X.T], axis=1)
+    by_decile = np.stack([_by_decile(column, inside) for column in named.X.T], axis=1)
     transform = pit(true, mean, std, model.distribution)
     table: dict[str, Any] = {
         "range": ("output", spread),
@@ -84,13 +82,13 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
         "crps": ("output", (crps(true, mean, std, model.distribution) / over).mean(axis=1)),
         "decile_coverage": (("output", "input", "decile"), by_decile),
         "worst_decile_coverage": ("output", by_decile.min(axis=(1, 2))),
-        "worst_corner_coverage": ("output", worst_corner(unit_coordinates(model.inputs_, X), inside)),
+        "worst_corner_coverage": ("output", worst_corner(unit_coordinates(model.inputs_, named.X), inside)),
         "pit": (("output", "case"), transform),
         "pit_distance": ("output", distance(transform)),
         "error": (("output", "case"), error),
     }
     if training is not None:
-        table |= _errors((baseline(model, training, X) - true) / over, "baseline_")
+        table |= _errors((baseline(model, training, named.X) - true) / over, "baseline_")
     if model.calibration_ is not None:
         before = validate(model.uncalibrated(), cases, None)
         table |= {f"raw_{name}": before[name].variable for name in ("max_error", "rmse", *_COMPARED)}
@@ -188,12 +186,6 @@ def _by_decile(column: Array, inside: Flags) -> Array:
     """Coverage in every decile of the cases sorted by a column: (p, n) -> (p, 10)."""
     parts = np.array_split(np.argsort(column, kind="stable"), DECILES)
     return np.stack([inside[:, part].mean(axis=1) if part.size else np.ones(len(inside)) for part in parts], axis=1)
-
-
-def _stack(dataset: Mapping[Any, xr.DataArray], names: list[str], like: xr.Dataset) -> Array:
-    template = like[next(iter(like.data_vars))]
-    arrays = [xr.broadcast(dataset[name], template)[0].transpose(*template.dims) for name in names]
-    return np.stack([np.asarray(array.values, dtype=np.float64).ravel() for array in arrays])
 
 
 def chebyshev_interpolation(training: xr.Dataset, inputs: Sequence[Input], X: Array, outputs: Sequence[str]) -> Array:

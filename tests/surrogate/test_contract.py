@@ -13,7 +13,7 @@ import xarray as xr
 from approximation.arrays import Array
 from storage.netcdf import read_whole, write_whole
 from surrogate import FormatError, GaussianProcess, GridGP, GroupedGP, ScatterGP, load, save
-from surrogate.transforms.measured.corrected import CorrectedGP
+from surrogate.transforms.measured import CorrectedGP
 from tests.surrogate import curved, functions, grouped
 from tests.surrogate.functions import inside
 from tests.surrogate.use import test_learning

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from solver.names import ALL_QUANTITIES
 from storage.files import output
 from surrogate import GaussianProcess, save
-from surrogate.data.measurements import Measurements
 from surrogate.data.points import outside
-from surrogate.transforms.measured.corrected import CorrectedGP
+from surrogate.transforms.measured import CorrectedGP, Measurements
 from workflow.cli import questions
 from workflow.cli.casetable import Table, read_cases
 from workflow.cli.words import named, say, trained

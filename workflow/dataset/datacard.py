@@ -8,7 +8,7 @@ from typing import Any
 import netCDF4
 import numpy as np
 
-from storage.blocks import STATISTICS
+from storage.blocks import pooled
 from storage.described import unscaled
 from storage.netcdf import MAX_BYTES
 from storage.sealed import check_seal
@@ -115,15 +115,8 @@ def _attributes(variable: "netCDF4.Variable[Any]") -> dict[str, Any]:
 def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """One variable from its parts in several files, statistics and all; of a file without any, nothing."""
     parts = [part for part in parts if part["count"]]
-    attrs = [part["attributes"] for part in parts]
-    count = np.array([part["count"] for part in parts], dtype=np.float64)
-    means, deviations = (np.array([attr[key] for attr in attrs]) for key in ("mean", "standard_deviation"))
-    mean = float(np.average(means, weights=count))
-    variance = float(np.average(deviations**2 + (means - mean) ** 2, weights=count))
-    lows, highs = zip(*(attr["actual_range"] for attr in attrs), strict=True)
-    plain = {key: value for key, value in attrs[0].items() if key not in STATISTICS}
-    statistics = {"actual_range": [min(lows), max(highs)], "mean": mean, "standard_deviation": variance**0.5}
-    return {"type": parts[0]["type"], "count": int(count.sum()), "attributes": {**plain, **statistics}}
+    counts, attrs = [part["count"] for part in parts], [part["attributes"] for part in parts]
+    return {"type": parts[0]["type"], "count": sum(counts), "attributes": {**attrs[0], **pooled(counts, attrs)}}
 
 
 def _seconds(path: Path) -> float:

@@ -1,6 +1,6 @@
 """Random factors of cases: evenly spread, and as many again towards the ends of the box."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,16 +17,6 @@ TOGETHER = 10
 #: Parameters of the beta distribution of shares of a range that are drawn towards its ends.
 TOWARDS_ENDS = 0.3, 0.3
 
-_Drawn = tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]
-
-
-def sample(study: Study, count: int, seed: Sequence[int], ends: bool) -> _Drawn:
-    """Random factors of a sample over ``case``, and which are even: 1, those towards the ends of the box 0."""
-    drawn = points(study, count, seed)
-    if ends:
-        return towards_ends(study, drawn, (*seed, 1))
-    return drawn, np.ones(count, np.int8)
-
 
 def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETHER) -> dict[str, xr.DataArray]:
     """Random factors over ``case``, uniform on their scales; in few values where each needs tables."""
@@ -41,25 +31,26 @@ def points(study: Study, count: int, seed: Sequence[int], together: int = TOGETH
     return drawn
 
 
-def towards_ends(
-    study: Study, drawn: Mapping[str, xr.DataArray], seed: Sequence[int]
+def sample(
+    study: Study, count: int, seed: Sequence[int], ends: bool
 ) -> tuple[dict[str, xr.DataArray], np.ndarray[Any, np.dtype[np.int8]]]:
-    """Random factors with as many again that lie towards the ends, and which of them are the former: 1, others 0.
+    """Random factors over ``case``, and which are even: 1; with `ends`, as many again that lie towards the ends: 0.
 
     Groups have their ends in corners of the factors' box, which even cases hardly reach. Cases that share tables follow
     one another.
     """
-    random = np.random.default_rng(list(seed))
-    count = next(iter(drawn.values())).size
+    drawn = points(study, count, seed)
+    if not ends:
+        return drawn, np.ones(count, np.int8)
+    random = np.random.default_rng([*seed, 1])
     tables = np.stack([drawn[name].values for name in study.tabled or study.factors])
     place = np.unique(tables, axis=1, return_index=True, return_inverse=True)[1:]
     order = np.argsort(np.tile(place[0][place[1].reshape(-1)], 2), kind="stable")  # as they came
-    factors = {}
     for name, axis in study.factors.items():
-        u = random.beta(*TOWARDS_ENDS, size=count)
-        values = drawn[name].values if name in study.tabled else _along(name, axis, u)
-        factors[name] = xr.DataArray(np.concatenate([drawn[name].values, values])[order], dims="case")
-    return factors, (order < count).astype(np.int8)
+        u, even = random.beta(*TOWARDS_ENDS, size=count), drawn[name].values
+        values = even if name in study.tabled else _along(name, axis, u)
+        drawn[name] = xr.DataArray(np.concatenate([even, values])[order], dims="case")
+    return drawn, (order < count).astype(np.int8)
 
 
 def _along(name: str, axis: Axis, u: Array) -> Array:

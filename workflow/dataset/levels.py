@@ -10,7 +10,7 @@ import xarray as xr
 from storage.described import described
 from storage.netcdf import read_whole
 from surrogate.data.meanings import MEANINGS, SOURCE
-from surrogate.levels.pilot import explore
+from surrogate.levels.counts import explore
 from workflow.dataset import factorial
 from workflow.run.joblog import log
 from workflow.study import partition

@@ -11,11 +11,9 @@ from scipy.special import bdtr
 from approximation.arrays import Array, Flags
 from solver import MaterialError, find
 from surrogate import GaussianProcess, GridGP
-from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.levels.counts import UnreachableError
-from surrogate.levels.pilot import explore
-from surrogate.transforms.measured.corrected import CorrectedGP
+from surrogate.levels.counts import UnreachableError, explore
+from surrogate.transforms.measured import MOST_ROWS, CorrectedGP, Measurements
 from surrogate.use import learning
 from surrogate.use.learning import ROUNDS, Learnt
 from workflow.dataset import draws, factorial

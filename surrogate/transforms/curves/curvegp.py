@@ -214,12 +214,12 @@ class CurveGP(Transformed):
 
     # -- answers -------------------------------------------------------------------------------------------------------
     @override
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
         """Return means and, with weights, variances as those of the witnesses: (p, B) each."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         mean = self.followed(smooth)
         if weights is None:
-            return mean, None
+            return mean, np.zeros_like(mean)
         return mean, self._witness.variance(t, weights) * self._spread(smooth) ** 2
 
     def _spread(self, smooth: Array) -> Array:

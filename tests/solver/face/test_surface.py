@@ -10,6 +10,7 @@ import solver
 from solver.body import KINDS, kind_of
 from solver.names import MAPS, SPACE_QUANTITIES
 from solver.surface import contact, newton
+from tests.solver.cases import without
 
 Case = dict[str, Any]
 COARSE = {"grid_error": 0.03}  # two grids of 16 and 32 cells, or 64
@@ -135,8 +136,8 @@ ROUGH |= {"longest_wavelength": 1e-4, "shortest_wavelength": 2e-5}
         (MAP | {"height_map": heights()[35:45, 35:45]}, "edge of the map"),
         (MAP | {"height_map": heights(9), "map_spacing": 2.5e-5}, "too wide for a contact"),
         (MAP | {"height_map": "none.csv"}, "height_map: none.csv: No such file"),
-        ({name: value for name, value in MAP.items() if name != "map_spacing"}, "map_spacing: missing"),
-        ({name: value for name, value in MAP.items() if name != "height_map"}, "height_map: missing"),
+        (without(MAP, "map_spacing"), "map_spacing: missing"),
+        (without(MAP, "height_map"), "height_map: missing"),
         (BALL | {"surroundings": "insulated"}, "surroundings: insulated"),
         (BALL | {"cut": "X"}, "cut: 'X' beside 36Y LiNbO3"),
         (BALL | {"electric": "insulating"}, "electric: 'insulating' of a contact in space"),

@@ -199,9 +199,8 @@ def test_levels_that_are_none_are_refused(model: GridGP, level: float) -> None:
 
 def test_gradient_is_labelled(model: GridGP) -> None:
     with_std = model.gradient(MIDDLE, return_std=True)
-    assert list(with_std.data_vars) == [
-        f"{name}{part}" for part in ("", "_std", "_lower", "_upper") for name in model.outputs_
-    ]
+    parts = ("", "_std", "_lower", "_upper")
+    assert list(with_std.data_vars) == [f"{name}{part}" for name in model.outputs_ for part in parts]
     assert with_std["smooth_lower"].attrs["long_name"] == (
         "lower end of the 95 % interval of the derivative of the smooth output with respect to the input"
     )

@@ -11,9 +11,8 @@ from numpy.polynomial.chebyshev import chebgauss, chebvander
 from numpy.typing import NDArray
 
 from surrogate import GridGP, Input
-from surrogate.levels.counts import LevelChoice, UnreachableError, choose, decays
+from surrogate.levels.counts import LevelChoice, Pilot, UnreachableError, choose, decays, explore
 from surrogate.levels.decay import Decay, decay_of
-from surrogate.levels.pilot import Pilot, explore
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 

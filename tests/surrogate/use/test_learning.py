@@ -12,9 +12,7 @@ from scipy.spatial.distance import cdist
 
 from surrogate import GridGP, Input, load, save
 from surrogate.data.inputs import physical_points
-from surrogate.data.measurements import Measurements
-from surrogate.transforms.measured.corrected import CorrectedGP
-from surrogate.transforms.measured.discrepancy import Draw
+from surrogate.transforms.measured import CorrectedGP, Draw, Measurements
 from surrogate.use import learning
 from surrogate.use.learning import Learnt, NotSettledError, Residuals, learn
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from surrogate import GridGP, save
-from surrogate.data.measurements import Measurements
+from surrogate.transforms.measured import Measurements
 from tests.workflow.study.test_uncertainty import FILM
 from workflow.cli import main
 from workflow.dataset import draws, factorial

@@ -1,21 +1,164 @@
-"""A surrogate that measured rows have corrected: its constants moved, discrepancies added, both uncertain."""
+"""Measured rows, and surrogates that they have corrected: constants moved, discrepancies added, both uncertain.
+
+Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425: measured = model(input, constants) + discrepancy(input) + noise,
+with a discrepancy that is a smooth Gaussian process of the inputs.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar, Self
 
 import numpy as np
 import xarray as xr
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.spatial.distance import cdist
 from typing_extensions import override
 
-from approximation.arrays import Array
+from approximation.arrays import Array, Indices
 from surrogate.data.inputs import Input, unit_coordinates
-from surrogate.data.measurements import MOST_ROWS, Measurements
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Normal
-from surrogate.transforms.measured.discrepancy import Discrepancy, Draw, mixture, moments
 from surrogate.transforms.transformed import Transformed
 
+#: Rows that a model is corrected by, at most: the cost grows with their cube.
+MOST_ROWS = 1000
 _MOST_DRAWS = 64  # that a file may hold
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """Measured values in a flat list, a row of which may hold several outputs or none."""
+
+    points: Array  # shape (rows, d); Inputs of every row, in their units
+    # shape (n,); Row and number of the output of every value; no row has an output twice
+    row: Indices
+    output: Indices
+    value: Array  # shape (n,); What was measured, in the output's unit
+    error: Array  # shape (n,); Standard deviation of its error; NaN where nobody knows it
+
+    def __post_init__(self) -> None:
+        if any(map(np.ma.is_masked, (self.points, self.value, self.error))):
+            raise ValueError("measured rows hold masked cells; leave these rows out")
+        if not np.isfinite(self.points).all() or not np.isfinite(self.value).all():
+            raise ValueError("measured rows must hold finite numbers")
+        if (self.error <= 0).any() or np.isinf(self.error).any():
+            raise ValueError("errors of measurement must be positive and finite, or NaN where unknown")
+        if len({*zip(self.row.tolist(), self.output.tolist(), strict=True)}) < len(self.row):
+            raise ValueError("an output is measured twice in a row")
+
+    def of(self, output: int) -> Indices:
+        """Places of the values of one output."""
+        return np.flatnonzero(self.output == output)
+
+    @property
+    def outputs(self) -> list[int]:
+        """Outputs that are measured anywhere, ascending."""
+        return [int(number) for number in np.unique(self.output)]
+
+
+@dataclass(frozen=True)
+class Discrepancy:
+    """A process a^2 exp(-|x - x'|^2/2) in the scaled inputs over their lengths, known at measured points."""
+
+    points: Array  # shape (n, d); Scaled inputs, -1 to 1, of the measured values
+    noise: Array  # shape (n,); Variance of their errors, that of the model among them
+    amplitude: float  # Standard deviation a of the process, in the output's unit
+    lengths: Array  # shape (d,); Length along every scaled input
+    residual: Array  # shape (n,); Measured less model with the constants at zero, as linear in them
+    slopes: Array  # shape (n, k); Derivatives of the model by the constants at the points
+
+    def covariance(self, points: Array) -> Array:
+        """Return the covariance of the process at scaled points (m, d) with its values at its own: (m, n)."""
+        square = cdist(points / self.lengths, self.points / self.lengths, "sqeuclidean")
+        return np.asarray(self.amplitude**2 * np.exp(-0.5 * square))
+
+    @cached_property
+    def factor(self) -> Array:
+        """Lower Cholesky factor of the covariance of the residuals at given constants, (n, n)."""
+        covariance = self.covariance(self.points)
+        covariance.flat[:: len(covariance) + 1] += self.noise + 1e-10 * self.amplitude**2
+        return np.asarray(cholesky(covariance, lower=True))
+
+    @cached_property
+    def whitened(self) -> tuple[Array, Array]:
+        """The inverse of the covariance applied to the residuals (n,) and to the slopes (n, k)."""
+        solved = cho_solve((self.factor, True), np.column_stack([self.residual, self.slopes]))
+        return solved[:, 0], solved[:, 1:]
+
+    @property
+    def information(self) -> tuple[Array, Array]:
+        """Return the precision (k, k) of the constants, and its product with their estimate (k,)."""
+        residual, slopes = self.whitened
+        return self.slopes.T @ slopes, self.slopes.T @ residual
+
+    def at(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return m0 (m,), m1 (m, k) and the variance (m,) at scaled points (m, d): the mean is m0 - m1 @ constants."""
+        return self._conditioned(self.covariance(points), self.amplitude**2)
+
+    def gradient(self, points: Array) -> tuple[Array, Array, Array]:
+        """Return the same of its derivatives by the scaled inputs: (d, m), (d, m, k), (d, m)."""
+        cross = self.covariance(points)
+        parts = [
+            self._conditioned(
+                -(points[:, i, None] - self.points[:, i]) / length**2 * cross, (self.amplitude / length) ** 2
+            )
+            for i, length in enumerate(self.lengths)
+        ]
+        mean, by_constants, variance = map(np.stack, zip(*parts, strict=True))
+        return mean, by_constants, variance
+
+    def _conditioned(self, cross: Array, prior: float) -> tuple[Array, Array, Array]:
+        """Return m0, m1 and the variance from a prior variance and the covariances with the values, (m, n)."""
+        residual, slopes = self.whitened
+        white = solve_triangular(self.factor, cross.T, lower=True)
+        variance = prior - np.einsum("nm,nm->m", white, white)
+        return cross @ residual, cross @ slopes, np.maximum(variance, 0)
+
+
+@dataclass(frozen=True)
+class Draw:
+    """The posterior at one draw of all else that is unknown: discrepancies' sizes and lengths, errors, outliers."""
+
+    # Of the scaled constants: (k,), (k, k)
+    mean: Array
+    covariance: Array
+    discrepancies: Mapping[int, Discrepancy]  # The process of every measured output, by its number
+
+    @classmethod
+    def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
+        """Return what measured values say of the scaled constants.
+
+        prior: (k,), prior deviations of the constants, zero where one is known.
+        """
+        precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
+        for discrepancy in discrepancies.values():
+            information, estimate = discrepancy.information
+            precision += information
+            weighted += estimate
+        return cls(*posterior(precision, weighted, prior), discrepancies)
+
+
+def posterior(precision: Array, weighted: Array, prior: Array) -> tuple[Array, Array]:
+    """Return mean (k,) and covariance (k, k) of normal unknowns of zero prior means and these prior deviations (k,)."""
+    inner = np.linalg.inv(np.eye(len(prior)) + prior[:, None] * precision * prior)
+    covariance = prior[:, None] * (inner + inner.T) / 2 * prior
+    return covariance @ weighted, covariance
+
+
+def moments(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Return mean and variance of an even mixture from the means and variances of its parts, of any shape."""
+    means, variances = (np.stack(part) for part in zip(*parts, strict=True))
+    return means.mean(axis=0), variances.mean(axis=0) + means.var(axis=0)
+
+
+def mixture(draws: Sequence[Draw]) -> tuple[Array, Array]:
+    """Return mean (k,) and covariance (k, k) of the scaled constants over all draws."""
+    means = np.stack([draw.mean for draw in draws])
+    deviation = means - means.mean(axis=0)
+    return means.mean(axis=0), np.mean([draw.covariance for draw in draws], axis=0) + deviation.T @ deviation / len(
+        draws
+    )
 
 
 class CorrectedGP(Transformed):
@@ -88,14 +231,14 @@ class CorrectedGP(Transformed):
         return 1 + len(self.constants_)
 
     @override
-    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array | None]:
+    def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
         X = self.physical(t)
         base, std = self.nominal_.predict_array(X, return_std=True, extrapolate=True)
         effect = self.effect_.predict_array(X, extrapolate=True).T.reshape(len(self.outputs_), self._each, -1)
         mean, variance = self._shifts(effect, lambda discrepancy: discrepancy.at(t.T))
         mean += base.T
         if weights is None:
-            return mean, None
+            return mean, np.zeros_like(mean)
         reach = np.abs(self.nominal_.distribution.ends(NOMINAL)).max(axis=0) / Normal().ends(NOMINAL)[1]
         variance += (std * reach).T ** 2 + self.effect_std_[:, None] ** 2
         return mean, weights[0][:, None] * variance

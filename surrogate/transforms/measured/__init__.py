@@ -1,1 +1,0 @@
-"""Surrogates that measured rows have corrected."""
