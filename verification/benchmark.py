@@ -19,13 +19,12 @@ from scipy.optimize import brentq, root
 import solver
 from solver.names import ALL_QUANTITIES, FACTORS
 from solver.surface.response import NORMAL, PHI, SurfaceBody
-from verification import film_air, integral_equations, points
+from verification import integral_equations, points
 from verification.cases import CHARGED, SIH_SONG, Array, Case, constants, half_length
-from verification.film_elements import Compared, Solved
+from verification.film_elements import POTENTIALS, SLIDING, elements
 from verification.oracles import precise, surface
 from verification.oracles.fem_film import FilmContact, Layer, Punch
 from verification.oracles.sample_materials import hexagonal, lithium_niobate, quartz
-from verification.oracles.spectral import ELECTRIC, MAGNETIC
 from verification.oracles.surface_response import surface_response
 
 COLUMNS = ("problem", "quantity", "units", "value", "digits", "first", "second")
@@ -120,11 +119,11 @@ def cornered(name: str) -> list[Number]:
     return _paired(solver.solve(case), answers, names if name == "tilted flat" else (longest, *names))
 
 
-def film(case: Case, half: float) -> list[Number]:
-    """A cylinder on a film, at a half-length of the contact [m]."""
+def film(case: Case, half: float, order: int = LINE_ORDER) -> list[Number]:
+    """A cylinder on a film, at a half-length of the contact [m], by elements of an order."""
     loaded = case | {"load": _pressed(case, "load", half)}
-    compared = Compared(Solved(loaded), LINE_ORDER)
-    contact, solved = compared.contact, compared.solved.solution
+    solved = solver.solve(loaded)
+    contact = elements(loaded, float(half_length(solved)), order)
     numbers = [Number("load", float(loaded["load"]), contact.load)]
     if loaded.get("friction"):
         numbers.append(
@@ -132,8 +131,7 @@ def film(case: Case, half: float) -> list[Number]:
         )
     if loaded["base"] == "rigid":  # on a half-plane it depends on where it is measured from
         numbers.append(Number("depth", float(solved["depth"]), contact.depth))
-    potentials = {ELECTRIC: "voltage", MAGNETIC: "magnetic_potential"}
-    computed = {name: contact.potential(number) for number, name in potentials.items() if name in solved}
+    computed = {name: contact.potential(number) for name, number in POTENTIALS.items() if name in solved}
     return [*numbers, *_paired(solved, computed, list(computed))]
 
 
@@ -149,16 +147,6 @@ def _pressed(case: Case, load: str, size: float) -> float:
     while np.sign(excess(first + step)) == np.sign(-step):
         first += step
     return float(np.exp(brentq(excess, first, first + step, xtol=1e-14, rtol=1e-14)))
-
-
-def air() -> list[Number]:
-    """A cylinder that slides on a film with air beside the contact, at a half-length of 0.1 mm."""
-    case = film_air.SLIDING | {"load": _pressed(film_air.SLIDING, "load", 1e-4)}
-    compared = Compared(Solved(case), AIR_ORDER)
-    contact, solved = compared.contact, compared.solved.solution
-    ends = Number("contact_trailing", float(solved["contact_trailing"]), contact.half_length + contact.centre)
-    voltage = Number("voltage", float(solved["voltage"]), contact.potential(ELECTRIC))
-    return [Number("load", float(case["load"]), contact.load), ends, voltage]
 
 
 def strips() -> list[Number]:
@@ -328,7 +316,7 @@ PROBLEMS: tuple[Problem, ...] = (
         for ratio in ("0.2", "1", "5")
     ),
     Problem("composite-film-on-steel", (_GALERKIN, _ELEMENTS), partial(film, _STEEL, 2e-4)),
-    Problem("film-in-air", (_GALERKIN, _ELEMENTS), air),
+    Problem("film-in-air", (_GALERKIN, _ELEMENTS), partial(film, SLIDING, 1e-4, AIR_ORDER)),
     Problem("ball-half-space", (_CLOSED, _DIGITS), ball),
     Problem("ball-film", (_GALERKIN, _ELEMENTS), partial(ball_on_film, _POINT_FILM | {"total_charge": 2e-9}, 1e-4)),
     Problem(

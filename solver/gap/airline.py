@@ -33,7 +33,7 @@ class LineStates(GapStates):
     def part(self, cases: Indices) -> Self:
         """Some of the cases."""
         loading = selected(self.loading, cases, "slope", "loads")
-        return replace(self._part(cases, "far", "media"), loading=loading)
+        return replace(selected(self, cases, "unknowns", "far", "media"), loading=loading)
 
     @cached_property
     def half(self) -> Array:

@@ -22,16 +22,17 @@ from solver.line.basis import Basis
 from solver.line.contact import FilmContact
 from solver.line.kernel import Kernel, kernel
 from solver.line.outputs import Assembly, mixing
-from solver.line.system import SAMPLES, System
+from solver.line.system import System
 from solver.line.table import Table, batches
 from solver.stack.reflection import low
 
 _REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
 _SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
 _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
-#: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
-LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)
-FIRST = PRESSURE.stop
+#: Rows: load, balance, displacements, those beside the contact; then edge stresses and pressures over their weight.
+LOAD, BALANCE, DISPLACEMENT = 0, 1, slice(2, 5)
+SOLVING: int = DISPLACEMENT.stop
+_EDGE = slice(SOLVING, SOLVING + 2)  # before those beside the contact are put in front of them
 #: Angles of the places X = cos(angle) within the contact at which densities are output: panels, graded to both edges.
 _ENDS = (0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 WITHIN = 8  # of them a panel
@@ -62,7 +63,12 @@ class Operators:
     @property
     def rows(self) -> int:
         """Number of outputs."""
-        return FIRST + self.density_nodes * (1 + len(self.system.fields)) + ANGLES.size * len(self.system.fields)
+        return self.solving + len(_FROM) - SOLVING + ANGLES.size * len(self.system.fields)
+
+    @property
+    def solving(self) -> int:
+        """Number of outputs that the equations need, the first ones."""
+        return SOLVING + self.density_nodes * (1 + len(self.system.fields))
 
     @cached_property
     def _wide(self) -> Kernel | None:
@@ -138,10 +144,11 @@ class _Assembled:
                 columns = slice(first + place * operators.density_nodes, first + (place + 1) * operators.density_nodes)
                 part = slice(place * count, (place + 1) * count)
                 contact[number, DISPLACEMENT, columns] += operators.folded(self._mean(number, f, displacement[:, part]))
-                contact[number, EDGE, columns] += operators.folded(self._edge(number, f, edge[:, part]))
+                contact[number, _EDGE, columns] += operators.folded(self._edge(number, f, edge[:, part]))
                 exterior[number, :, :, columns] += operators.folded(self._outside(number, f, outside[..., part]))
         shape = (self.half_lengths.size, -1, contact.shape[-1])
-        return np.concatenate([contact, exterior.reshape(shape), self._within(unknowns).reshape(shape)], 1)
+        parts = (part.reshape(shape) for part in (exterior, contact[:, SOLVING:], self._within(unknowns)))
+        return np.concatenate([contact[:, :SOLVING], *parts], 1)
 
     def _within(self, unknowns: Array) -> Array:
         """D_y and B_y of the conducted fields at ``ANGLES``; (half, field, angle, column)."""
@@ -323,9 +330,6 @@ def _flat(values: Array) -> Array:
     return np.moveaxis(values, 2, 0).reshape(values.shape[2], values.shape[0], -1)
 
 
-#: Rows before those beside the contact: load, balance, displacements.
-SOLVING: int = DISPLACEMENT.stop
-
 _LARGEST = 0.5e9  # bytes of a table, of which some copies exist while it is made; usual ones take 0.01 to 0.2 GB
 
 _MARGIN, _MARGIN_OF_BASE = 10.0, 3.0
@@ -362,9 +366,7 @@ class AirTable:
                 f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
             )
         values, interval = operators.matrices(self.table.half_lengths), self.table.interval
-        solving = np.zeros(operators.rows, dtype=bool)
-        solving[:SOLVING] = solving[FIRST : operators.rows - ANGLES.size * len(operators.system.fields)] = True
-        return SplitOutputs.of(values, solving, interval, clipped=self.clipped)
+        return SplitOutputs.of(values, operators.solving, interval, clipped=self.clipped)
 
     @cached_property
     def powers(self) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, joined
 from solver.cache import cached
-from solver.gap.airpoint import PointSolution, PointStates
+from solver.gap.airpoint import PointStates
 from solver.gap.grid import peak_of_panels
 from solver.gap.newton import Frame, Settled, continued, settled, together
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
@@ -124,7 +124,7 @@ class AirPoints:
             prescribed = charges[places][:, fields] * of_fields / length[:, None] ** 2
         rows = table.exact.rows
         outputs, distance = table.outputs.solving, table.exact.rings.grid.distance
-        frame = Frame(outputs, rows.raised, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
+        frame = Frame(outputs, rows.edges.stop, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
         return PointStates(
             frame, unknowns, (charges is None,) * len(fields), table,
             self.pressed.coefficient[places] / units[:, 0] * length ** (e - 1),
@@ -234,20 +234,20 @@ class AirPoints:
                     )
         return out
 
-    def slid(self, place: int, solution: PointSolution) -> SlidingPoint | None:
+    def slid(self, place: int, solution: SolvedPoint) -> SlidingPoint | None:
         """First order of a solution in friction; None if the cases have no friction."""
         friction, body = self.pressed.friction, self.pressed.body
         if friction is None:
             return None
         layers = shear_kernel(body.kind.film.stack()) if isinstance(body, Film) else None
         coefficient = float(friction.coefficient[place])
-        return SlidingPoint(SolvedPoint(solution), coefficient, friction.coupling[place], layers)
+        return SlidingPoint(solution, coefficient, friction.coupling[place], layers)
 
 
-def _solutions(places: Indices, states: PointStates) -> Iterator[tuple[int, PointSolution]]:
+def _solutions(places: Indices, states: PointStates) -> Iterator[tuple[int, SolvedPoint]]:
     """Yield the place of every case with its solution."""
     for case, place in enumerate(places.tolist()):
-        yield place, states.solution(case)
+        yield place, SolvedPoint.of(states, case)
 
 
 def _parameters(states: PointStates) -> Array:
@@ -343,4 +343,4 @@ def _solved_cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator
             radius = solution.radius * float(points.length[place])
             length = float(points.length[place]) if isinstance(pressed.body, Film) else radius
             slid = points.slid(place, solution)
-            yield place, _FieldCase(SolvedPoint(solution), slid, pressed.units[place], radius, length)
+            yield place, _FieldCase(solution, slid, pressed.units[place], radius, length)

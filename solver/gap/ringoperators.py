@@ -95,7 +95,11 @@ X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Layout of the operator matrix: outputs by row, causes and charge densities by column."""
+    """Layout of the operator matrix: outputs by row, causes and charge densities by column.
+
+    Behind the loads and the edge's strengths come u less that at the edge beside the contact, by channel and node, then
+    pressures at ``SAMPLES`` but for an edge's, and each field's densities at ``X_WITHIN``.
+    """
 
     fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
     nodes: int  # Number of nodes beside the contact
@@ -129,27 +133,6 @@ class Rows:
         """S of the channels just within the edge."""
         return slice(len(self.channels), 2 * len(self.channels))
 
-    @cached_property
-    def raised(self) -> int:
-        """First of those beside the contact: (channel, node) of u less that at the edge."""
-        return 2 * len(self.channels)
-
-    @cached_property
-    def pressure(self) -> slice:
-        """Pressures at ``SAMPLES``, but for an edge's."""
-        first = self.raised + len(self.channels) * self.nodes
-        return slice(first, first + SAMPLES.size)
-
-    def within(self, place: int) -> slice:
-        """Densities of a field at ``X_WITHIN``."""
-        first = self.pressure.stop + place * X_WITHIN.size
-        return slice(first, first + X_WITHIN.size)
-
-    @cached_property
-    def count(self) -> int:
-        """Number of rows."""
-        return int(self.pressure.stop) + len(self.fields) * X_WITHIN.size
-
 
 @dataclass(frozen=True, eq=False)
 class RingOperators:
@@ -175,26 +158,24 @@ class RingOperators:
         closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - added[:, count])
-        result = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
         of_power = inverse[:, 0] * self.shape.rise
         closed[..., profile] = of_power[:, None]
         S += closed
-        result[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
-        result[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
-        result[rows.edges] = edge
-        coefficients = below.series @ S
-        for place in range(len(self.fields)):
-            result[1 + place, rows.densities(place)] += 4 * self.rings.totals
+        loads = 4 * np.einsum("n,inc->ic", below.weights, S)
+        loads[:, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
         raised = self.rings.raised @ self.chi_beside(added[:, count:], edge)
-        result[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
-        result[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
-        result[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
+        coefficients = below.series @ S
+        pressure = -added_forms(SAMPLES, count) @ coefficients[0]
+        pressure[:, profile] += inverse[0, 0] * self._form(SAMPLES)
+        parts = [loads, edge, raised.reshape(-1, rows.columns), pressure]
         for place in range(len(self.fields)):
-            result[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
-            result[rows.within(place), rows.densities(place)] += _drawn(self.rings)
-            result[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
-        return result
+            loads[1 + place, rows.densities(place)] += 4 * self.rings.totals
+            within = added_forms(X_WITHIN, count) @ coefficients[1 + place]
+            within[:, rows.densities(place)] += _drawn(self.rings)
+            within[:, profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
+            parts.append(within)
+        return np.concatenate(parts)
 
     @cached_property
     def profile(self) -> Array:
@@ -371,10 +352,11 @@ class RingTable:
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Rows up to the pressures, and those below the contact, from the pressures on."""
+        """Outputs; others: those from the pressures on."""
         log_radii = np.zeros(1) if self.interval is None else self.interval.points
         result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
-        return SplitOutputs.of(result, np.arange(self.exact.rows.count) < self.exact.rows.pressure.start, self.interval)
+        rows = self.exact.rows
+        return SplitOutputs.of(result, rows.edges.stop + len(rows.channels) * rows.nodes, self.interval)
 
     def holds(self, log_radii: Array) -> BoolArray:
         """Return True for radii between the ends."""

@@ -32,7 +32,15 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
     """All of it, as plain data for a file."""
     return {
         "datum": changes(study),
-        "designs": {name: _of_design(study, study.design[name], answer) for name, answer in designs.items()},
+        "designs": {
+            name: {
+                "contact": contact(study, answer),
+                "around": compared(study.narrowed(answer.combination), answer.case),
+                "on_datum": of_design(study, study.design[name], answer),
+                "edge": singular_zone(study, answer),
+            }
+            for name, answer in designs.items()
+        },
     }
 
 
@@ -40,15 +48,6 @@ def contact(study: Study, answer: Answer) -> dict[str, float]:
     """Both ends of the contact of a design [m], by name of their quantity."""
     solved = factorial.exact(study.narrowed(answer.combination), dict(answer.case), peaks=())
     return {name: float(solved[name]) for name in study.kind.ends}
-
-
-def _of_design(study: Study, target: Target, answer: Answer) -> dict[str, Any]:
-    return {
-        "contact": contact(study, answer),
-        "around": compared(study.narrowed(answer.combination), answer.case),
-        "on_datum": of_design(study, target, answer),
-        "edge": singular_zone(study, answer),
-    }
 
 
 def changes(study: Study) -> list[dict[str, Any]]:
