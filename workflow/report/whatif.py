@@ -21,7 +21,7 @@ from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer
 from workflow.language import grammar, titles
 from workflow.language.constants import FIGURES_BY
-from workflow.language.expressions import Expression, Name, Number, Operation, Power
+from workflow.language.expressions import Expression, Name, Number, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.titles import title
 from workflow.report import firstscreen
@@ -203,8 +203,6 @@ def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
         return constants.get(node.name, node.name)
     if isinstance(node, Operation):
         return [node.symbol, *(_tree(part, constants) for part in node.parts)]
-    if isinstance(node, Power):
-        return ["^", _tree(node.base, constants), node.exponent]
     raise TypeError(f"unknown node {node!r}")
 
 
