@@ -49,6 +49,7 @@ def solve(
     phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
     regular: bool = False,
     peaks: bool | Collection[str] = False,
+    outputs: Collection[str] | None = None,
 ) -> xr.Dataset:
     """Exact solution of every case: all quantities, and the surface fields where positions are given.
 
@@ -84,6 +85,9 @@ def solve(
         Also give the quantities of ``solver.names.PEAKS``, or ``FILM_PEAKS`` of films, or those of them that are named:
         they are searched for over the body, some milliseconds a case where the others take some microseconds, under a
         point a second, and need c12.
+    outputs
+        Names of ``solver.names.ALL_QUANTITIES`` to return, those of a search among them; by default all but these. In
+        space stiffness, blocked force and voltage per force take half of the time: they are solved if named.
 
     Returns
     -------
@@ -98,10 +102,10 @@ def solve(
     Raises
     ------
     FactorError
-        Unknown, missing, non-finite or out-of-range factor or position; an unknown name in ``peaks``; a charge on an
-        insulating punch; a speed that is not below the limiting one; a film without base, or a
-        base without film; a contact that would need tension, one beyond the resolved range of a film, or several for
-        one load. Names field, value and what is allowed.
+        Unknown, missing, non-finite or out-of-range factor or position; an unknown name in ``peaks`` or ``outputs``; a
+        charge on an insulating punch; a speed that is not below the limiting one; a film without base, or a base
+        without film; a contact that would need tension, one beyond the resolved range of a film, or several for one
+        load. Names field, value and what is allowed.
     MaterialError
         Unknown or inadmissible material.
 
@@ -126,20 +130,23 @@ def solve(
     {'case': 2}
     """
     if parts := of_kinds(factors):
-        alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks)
+        alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks, outputs=outputs)
         return solved_by_kind(parts, lambda part: alike(part, positions))
     arrays = checked(factors, materials)
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
-    searched, strains = _searched(peaks), list[Excess]()
+    requested = None if outputs is None else _known("outputs", outputs, ALL_QUANTITIES)
+    searched = frozenset(ALL_PEAKS if peaks else ()) if isinstance(peaks, bool) else _known("peaks", peaks, ALL_PEAKS)
+    searched |= (requested or frozenset()) & ALL_PEAKS.keys()
+    strains = list[Excess]()
 
     def part(cases: Cases) -> xr.Dataset:
         coordinates, inner = cases.coordinates, np.empty(1) if X is None else np.where(np.abs(X) == 1, _WITHIN, X)
 
         def solved(block: Cases) -> tuple[dict[str, Array], dict[str, Array]]:
             body = body_of(block)
-            values = body.quantities() | (body.peaks(searched) if searched else {})
+            values = body.requested(requested) | (body.peaks(searched) if searched else {})
             return values, {} if X is None else body.surface(inner, regular=regular)
 
         searching = _SEARCH if searched else 1
@@ -160,8 +167,8 @@ def solve(
     if strains:
         count = prod(cases.sizes.values())
         warnings.warn(SmallStrainWarning(sentence(strains, count), strains), stacklevel=2)
-    first = [name for name in ALL_QUANTITIES if name in out]
-    ordered = [*first, *(name for name in out.data_vars if name not in first)]
+    first = [name for name in ALL_QUANTITIES if name in out and (requested is None or name in requested)]
+    ordered = [*first, *(name for name in out.data_vars if name not in ALL_QUANTITIES)]
     return out if ordered == list(out.data_vars) else out[ordered]
 
 
@@ -194,14 +201,12 @@ def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str
     }
 
 
-def _searched(peaks: bool | Collection[str]) -> frozenset[str]:
-    """Names of the quantities that are searched for."""
-    if isinstance(peaks, bool):
-        return frozenset(ALL_PEAKS if peaks else ())
-    for name in peaks:
-        if name not in ALL_PEAKS:
-            raise FactorError(f"peaks: {name!r} is unknown; known are {', '.join(ALL_PEAKS)}")
-    return frozenset(peaks)
+def _known(option: str, names: Collection[str], known: Collection[str]) -> frozenset[str]:
+    """The names that an option gives, all of which are known."""
+    for name in names:
+        if name not in known:
+            raise FactorError(f"{option}: {name!r} is unknown; known are {', '.join(known)}")
+    return frozenset(names)
 
 
 def _positions(positions: Iterable[float]) -> Array:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from scipy.interpolate import RegularGridInterpolator
+from typing_extensions import override
 
 from solver.arrays import Array, shown
 from solver.face.body import Body
@@ -27,8 +28,8 @@ from solver.material.cuts import of_family
 from solver.material.library import find
 from solver.names import BODY, HEIGHT_MAP, MAPS, PROFILES
 from solver.stack.layers import RIGID, Layer, Stack
-from solver.surface.contact import SurfaceContact, solve_contact
-from solver.surface.quantities import quantities
+from solver.surface.contact import Slopes, SurfaceContact, solve_contact
+from solver.surface.quantities import quantities, slopes_of
 from solver.surface.response import SurfaceBody, SurfaceError, SurfaceLayer
 from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, RoughSphere, Shape, sphere
 
@@ -52,6 +53,12 @@ class OnSurface(Body):
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of ``solver.names.SPACE_QUANTITIES`` that every case has; (...)."""
+        return self.requested(None)
+
+    @override
+    def requested(self, names: Set[str] | None) -> dict[str, Array]:
+        slopes = slopes_of(names)
+        self._contacts = [_Contact(case, slopes) for case in _singles(self.cases)]
         out = self._joined([contact.quantities() for contact in self._contacts])
         excess = out["relative_error"] / np.broadcast_to(self.cases.number("grid_error"), self.shape)
         if np.any(excess > 1):
@@ -163,12 +170,13 @@ class _Contact:
     """One contact in space."""
 
     case: Cases
+    slopes: Slopes = Slopes.NONE
 
     def quantities(self) -> dict[str, float]:
         """Quantities by name."""
-        out = quantities(self.charged)
+        out = quantities(self.charged, self.slopes)
         if self._metallic:
-            return {name: out[name] for name in _MECHANICAL}
+            return {name: out[name] for name in _MECHANICAL if name in out}
         if self._stack is not None:
             above = [bool(held) for held in self._stack.grounded].index(True) + 1 if any(self._stack.grounded) else None
             thickness = sum(layer.thickness for layer in self._stack.layers[:above])
@@ -196,10 +204,10 @@ class _Contact:
         """Contact with its charge; on a metal, which takes every charge, at zero voltage."""
         charge = float(self.case.number("total_charge"))
         if not self._metallic:
-            return self._solved(charge=charge, derivatives=True)
+            return self._solved(charge=charge, slopes=self.slopes)
         if charge:
             raise FactorError(f"total_charge: {charge:g} of a punch on a metal, which takes it; must be 0")
-        return self._solved(voltage=0.0)
+        return self._solved(voltage=0.0, slopes=min(self.slopes, Slopes.BY_VOLTAGE))
 
     def _solved(self, **control: Any) -> SurfaceContact:
         case = self.case

@@ -11,9 +11,6 @@ logarithm from 0.1 h to 2 h. No largest von Mises stress lies deeper, and no ten
 """
 
 from collections.abc import Callable, Set
-from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -61,65 +58,35 @@ def peaks(contact: Contact, requested: Set[str]) -> dict[str, Array]:
 def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array, Array]:
     """Largest measure over the pressure scale, and its depth over h, from starting points (..., start)."""
     reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
-    highest = _Place(x, y, np.full_like(x, -np.inf))  # of every start, so far
-    ended: BoolArray = np.zeros_like(
-        x, dtype=bool
-    )  # an ended climb stays: no answer depends on the cases solved with it
+    highest = np.stack([x, y, np.full_like(x, -np.inf)])  # place and measure of every start, so far
+    ended: BoolArray = np.zeros_like(x, dtype=bool)  # such a climb stays: no answer depends on the cases beside it
     for _ in range(_STEPS):
-        stencil = _Stencil(x, y, np.clip(reach / 8, 1e-4, 0.02))
-        around = stencil.measured(contact, measure)
-        current = _Place(x, y, around[..., 4])
-        up = (current.value >= highest.value) & ~ended
-        highest = _Place(*(np.where(up, new, old) for new, old in zip(current, highest, strict=True)))
-        to_zero = (current.value < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
+        step = np.clip(reach / 8, 1e-4, 0.02)  # of the stencil, over the distance to the edges and the depth
+        across, down = step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y), -step * y
+        around = _around(contact, measure, (x, across), (y, down))
+        current = np.stack([x, y, around[..., 4]])
+        up = (current[2] >= highest[2]) & ~ended
+        highest = np.where(up, current, highest)
+        to_zero = (current[2] < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
         ended |= (moved < _CLOSE) | to_zero
         if np.all(ended):
             break
-        dx, dy = _newton_step(around, (-DEPTH - y) / stencil.down, reach / stencil.step)
-        length = np.hypot(dx, dy) * stencil.step
+        dx, dy = _newton_step(around, (-DEPTH - y) / down, reach / step)
+        length = np.hypot(dx, dy) * step
         # what went down goes back and tries again with a quarter of the reach
-        x = np.where(up, x + dx * stencil.across, highest.x)
-        y = np.where(up, np.minimum(y + dy * stencil.down, -DEPTH), highest.y)
+        x = np.where(up, x + dx * across, highest[0])
+        y = np.where(up, np.minimum(y + dy * down, -DEPTH), highest[1])
         reach = np.where(up, np.clip(2 * length, 1e-6, reach), moved / 4)
         moved = np.where(up, length, moved / 4)
-    top = np.argmax(highest.value, -1)[..., None]
-    return np.take_along_axis(highest.value, top, -1)[..., 0], -np.take_along_axis(highest.y, top, -1)[..., 0]
+    top = np.argmax(highest[2], -1)[..., None]
+    return np.take_along_axis(highest[2], top, -1)[..., 0], -np.take_along_axis(highest[1], top, -1)[..., 0]
 
 
-class _Place(NamedTuple):
-    """A point of every start and the measure there; (..., start)."""
-
-    x: Array
-    y: Array
-    value: Array
-
-
-@dataclass(frozen=True, eq=False)
-class _Stencil:
-    """Nine points around (x, y), (...): a step is a share of the distance to the edges across, of the depth down."""
-
-    x: Array
-    y: Array
-    step: Array
-
-    @cached_property
-    def across(self) -> Array:
-        """Spacing in x."""
-        x, y = self.x, self.y
-        return self.step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y)
-
-    @cached_property
-    def down(self) -> Array:
-        """Spacing in y."""
-        return -self.step * self.y
-
-    def measured(self, contact: Contact, measure: Measure) -> Array:
-        """The measure at the nine points, row by row from the deepest; (..., 9)."""
-        x = self.x[..., None] + self.across[..., None] * _STENCIL[:, 0]
-        y = self.y[..., None] + self.down[..., None] * _STENCIL[:, 1]
-        cases = self.x.shape[:-1]
-        stresses = _stresses(contact, x.reshape(*cases, -1), y.reshape(*cases, -1))
-        return measure(*stresses).reshape(x.shape)
+def _around(contact: Contact, measure: Measure, *axes: tuple[Array, Array]) -> Array:
+    """Measure on the stencil about places, row by row from the deepest; (..., start, 9). axes: place and spacing."""
+    stencil = [place[..., None] + size[..., None] * _STENCIL[:, k] for k, (place, size) in enumerate(axes)]
+    cases = stencil[0].shape[:-2]
+    return measure(*_stresses(contact, *(points.reshape(*cases, -1) for points in stencil))).reshape(stencil[0].shape)
 
 
 def _stresses(contact: Contact, x: Array, y: Array) -> list[Array]:

@@ -26,7 +26,6 @@ from solver.point.table import PointWindow
 from solver.point.tractions import Tractions
 from solver.stack.electrodes import DISC, STRIP, Electrode, Reading, transfers
 
-_PHASE = 8.0  # phase of a wave over a panel of densities
 _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once: bounded memory
 
 
@@ -85,7 +84,7 @@ class _OfPoint(Collected):
     def _turned(self, rubbed: Tractions, distance: Array) -> Array:
         """Charges [C] that friction adds to patches at distances, odd in these; (case,)."""
         charge = np.zeros_like(distance)
-        nodes = hankel.nodes(parts=int(np.max(self.radius) * self.k[-1] / _PHASE) + 4, kinked=True)
+        nodes = hankel.nodes(parts=hankel.parts(np.max(self.radius) * self.k), kinked=True)
         for cases, waves in self._blocks(nodes.b.size):
             turned = rubbed.vectors(nodes.b, cases)[1]
             if turned is None:

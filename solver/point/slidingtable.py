@@ -127,7 +127,7 @@ def _solution(
     kernel = np.einsum("km,kn,kij->imjn", sines, sines * shares[:, None], normal, optimize=True) * rule
     system = (local + kernel).reshape(3 * count, 3 * count)
 
-    fine = hankel.nodes(parts=int(np.max(phases) / 8) + 4, kinked=True)
+    fine = hankel.nodes(parts=hankel.parts(phases), kinked=True)
     turned = causes.turned(fine.b)[:, 0]
     free = response.closed(turned, fine.b, np.zeros(len(turned)))
     moved = response.closed(np.zeros((1, fine.b.size)), fine.b, np.ones(1))

@@ -106,7 +106,7 @@ class Operation(Expression):
             return value, _combined(*zip(slopes, (inner for _, inner in parts), strict=True))
 
     def unit(self) -> units.Unit | None:
-        """Equal units add and compare; products and quotients multiply; a root has the root of its unit."""
+        """Equal units add and compare; products and quotients multiply; powers and roots have those of their unit."""
         inner = [part.unit() for part in self.parts]
         known = [unit for unit in inner if unit is not None]
         if not known:
@@ -114,6 +114,8 @@ class Operation(Expression):
         if self.symbol in ("*", "/"):
             left, right = (unit or units.Unit.none() for unit in inner)
             return left * (right if self.symbol == "*" else right.power(Fraction(-1)))
+        if isinstance(power := self.parts[-1], Number) and self.symbol == "^":
+            return known[0].power(Fraction(int(power.value)))
         for other in known[1:]:
             if not other.fits(known[0]):
                 how, named = ("added", "") if self.symbol in ("+", "-") else ("compared", f"{self.symbol}: ")
@@ -121,26 +123,6 @@ class Operation(Expression):
         if self.symbol in ("log", "exp") and not known[0].fits(units.Unit.none()):
             raise ValueError(f"{self.symbol} needs a pure number, not {str(known[0])!r} (unit mismatch)")
         return known[0].power(Fraction(1, 2)) if self.symbol == "sqrt" else known[0]
-
-
-@dataclass(frozen=True)
-class Power(Expression):
-    """An integer power."""
-
-    base: Expression
-    exponent: int
-
-    def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """Value and derivatives of a power."""
-        a, da = self.base.partials(values)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            slope = self.exponent * a ** float(self.exponent - 1) if self.exponent else np.zeros_like(a)
-            return a ** float(self.exponent), _combined((slope, da))
-
-    def unit(self) -> units.Unit | None:
-        """The base's unit, raised."""
-        inner = self.base.unit()
-        return inner.power(Fraction(self.exponent)) if inner is not None else None
 
 
 def _chosen(place: Callable[..., Any], *values: Array) -> tuple[Any, ...]:
@@ -157,6 +139,7 @@ _RULES: dict[str, Callable[..., tuple[Any, ...]]] = {
     "-": lambda a, b: (a - b, 1.0, -1.0),
     "*": lambda a, b: (a * b, b, a),
     "/": lambda a, b: (a / b, 1 / b, -a / b**2),
+    "^": lambda a, b: (a**b, np.where(b == 0, 0.0, b * a ** (b - 1)), 0.0),  # whose exponent is a number
     "abs": lambda a: (np.abs(a), np.where(a < 0, -1.0, 1.0)),
     "sqrt": lambda a: (np.sqrt(a), 0.5 / np.sqrt(a)),
     "log": lambda a: (np.log(a), 1 / a),

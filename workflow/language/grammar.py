@@ -18,7 +18,7 @@ from math import isfinite
 from solver import units
 from solver.names import ALL_QUANTITIES
 from workflow.language.constants import CONSTANTS, FIGURES_BY, Meeting
-from workflow.language.expressions import Expression, Name, Number, Operation, Power
+from workflow.language.expressions import Expression, Name, Number, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
 
@@ -114,7 +114,7 @@ class _Parser:
             if not exponent.isdecimal() or int(exponent) > 9:
                 raise ValueError("an exponent must be a whole number from -9 to 9")
             self._at += 1
-            return Power(atom, int(sign + exponent))
+            return Operation("^", (atom, Number(float(sign + exponent))))
         return atom
 
     def _atom(self, depth: int) -> Expression:

@@ -17,7 +17,7 @@ from solver.similarity import Weight, weight_of
 from surrogate import Input
 from surrogate.data.inputs import Scale
 from surrogate.transforms.groups import span
-from workflow.language.expressions import Expression, Name, Operation, Power
+from workflow.language.expressions import Expression, Name, Number, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.grammar import parse
 from workflow.language.spelling import nearest
@@ -72,8 +72,8 @@ def _called(name: str, power: int) -> str:
 def _powers(text: str, node: Expression) -> dict[str, int]:
     if isinstance(node, Name):
         return {node.name: 1}
-    if isinstance(node, Power):
-        return {name: power * node.exponent for name, power in _powers(text, node.base).items()}
+    if isinstance(node, Operation) and node.symbol == "^" and isinstance(exponent := node.parts[1], Number):
+        return {name: power * int(exponent.value) for name, power in _powers(text, node.parts[0]).items()}
     if isinstance(node, Operation) and node.symbol in ("*", "/"):
         powers, others = (_powers(text, part) for part in node.parts)
         sign = 1 if node.symbol == "*" else -1

@@ -9,7 +9,7 @@ import pytest
 import solver
 from solver.body import KINDS, kind_of
 from solver.names import MAPS, SPACE_QUANTITIES
-from solver.surface import contact
+from solver.surface import contact, newton
 from tests.solver.cases import without
 
 Case = dict[str, Any]
@@ -44,6 +44,25 @@ def test_an_ellipsoid_on_a_half_space_has_the_charge_of_any_shape() -> None:
     assert pressure[1] / pressure[0] == pytest.approx(np.sqrt(0.75), rel=0.02)
     assert pressure[2] == 0
     assert float(out["contact_length_y"]) > 1.3 * float(out["contact_length_x"])
+
+
+def test_slopes_that_are_not_named_are_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = solver.solve(EGG)
+
+    def refused(*_: object) -> None:
+        raise AssertionError("a solution that no quantity needs")
+
+    monkeypatch.setattr(contact, "_with_secant", refused)
+    stroke = solver.solve(EGG, outputs=["stroke_per_volt", "depth"])
+    assert list(stroke.data_vars) == ["depth", "stroke_per_volt"]
+    monkeypatch.setattr(newton.Linearised, "tangent", refused)
+    charge = solver.solve(EGG, positions=[0.0], outputs={"charge_per_force"})
+    assert list(charge.data_vars) == ["charge_per_force", "contact_pressure", "electric_displacement"]
+    for name, part in {"depth": stroke, "stroke_per_volt": stroke, "charge_per_force": charge}.items():
+        # another path of the same iteration, to a hundredth of the error
+        assert float(part[name]) == pytest.approx(float(whole[name]), rel=0.01 * COARSE["grid_error"])
+    with pytest.raises(solver.FactorError, match="outputs: 'chrge' is unknown; known are"):
+        solver.solve(EGG, outputs=["chrge"])
 
 
 def test_the_map_carries_the_force() -> None:

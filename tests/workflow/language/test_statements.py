@@ -63,24 +63,14 @@ def test_values_are_those_of_python_and_derivatives_those_of_differences(text: s
 
 
 @pytest.mark.parametrize(
-    ("text", "value"),
-    [
-        ("-voltage^2", -4.0),
-        ("2 - voltage - 1", -1.0),
-        ("8 / voltage / 2", 2.0),
-        ("min(voltage, 5, 3) + max(voltage, 4)", 6.0),
-        ("voltage ** -1", 0.5),
-        (" log( exp(volume_fraction) ) ", 0.5),
-    ],
-)
-def test_precedence(text: str, value: float) -> None:
-    values = {"voltage": 2.0, "volume_fraction": 0.5}
-    assert float(grammar.parse(text).evaluate({k: np.array(v) for k, v in values.items()})) == value
-
-
-@pytest.mark.parametrize(
     ("text", "value", "unit"),
     [
+        ("-voltage^2", -4.0, "V2"),
+        ("2 - voltage - 1", -1.0, "V"),
+        ("8 / voltage / 2", 2.0, "V-1"),
+        ("min(voltage, 5, 3) + max(voltage, 4)", 6.0, "V"),
+        ("voltage ** -1", 0.5, "V-1"),
+        (" log( exp(friction) ) ", 0.4, "1"),
         ("min(abs(voltage_per_load) / (0.05 V m N-1), 2 * friction)", 0.8, "1"),
         ("voltage/0.5 kV/mm", 4e-6, "m"),  # a number and its unit are one atom
         ("voltage/4 mV/depth", 125.0, "m-1"),  # `depth` is a quantity, no unit
@@ -90,7 +80,7 @@ def test_precedence(text: str, value: float) -> None:
         ("depth + 5 % * depth", 4.2, "m"),
     ],
 )
-def test_numbers_in_expressions_have_units(text: str, value: float, unit: str) -> None:
+def test_expressions_have_their_precedence_and_units(text: str, value: float, unit: str) -> None:
     values = {"voltage": 2.0, "voltage_per_load": -0.05, "friction": 0.4, "depth": 4.0}
     tree = grammar.parse(text)
     assert float(tree.evaluate({k: np.array(v) for k, v in values.items()})) == pytest.approx(value, rel=1e-14)

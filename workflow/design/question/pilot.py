@@ -13,7 +13,7 @@ from solver import units
 from workflow.design.question.question import Question
 from workflow.design.question.risk import RelativeDeviation, Term, WorstCase
 from workflow.design.question.sources import Exact, Predicted
-from workflow.language.expressions import Expression, Number, Operation, Power
+from workflow.language.expressions import Expression, Number, Operation
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
@@ -82,13 +82,12 @@ def _pilot(d: int, scenarios: int) -> Array:
 def _divisors(expression: Expression) -> list[Expression]:
     """Divisors, negative powers and arguments of logarithms in an expression, wherever they hold a name."""
     inner: list[Expression] = []
-    for node in expression.walk():
-        if isinstance(node, Operation) and node.symbol == "/":
-            inner.append(node.parts[1])
-        elif isinstance(node, Power) and node.exponent < 0:
-            inner.append(node.base)
-        elif isinstance(node, Operation) and node.symbol == "log":
-            inner.append(node.parts[0])
+    for node in (node for node in expression.walk() if isinstance(node, Operation)):
+        first, last = node.parts[0], node.parts[-1]
+        if node.symbol == "/":
+            inner.append(last)
+        elif node.symbol == "log" or (node.symbol == "^" and isinstance(last, Number) and last.value < 0):
+            inner.append(first)
     return [node for node in inner if node.names()]
 
 
@@ -122,8 +121,6 @@ def _swapped(tree: Expression, node: Expression, other: Expression) -> Expressio
         return other
     if isinstance(tree, Operation):
         return replace(tree, parts=tuple(_swapped(part, node, other) for part in tree.parts))
-    if isinstance(tree, Power):
-        return replace(tree, base=_swapped(tree.base, node, other))
     return tree
 
 

@@ -49,15 +49,12 @@ class Question:
             name: np.clip(axis.from_unit(x[:, column]), axis.low, axis.high)
             for column, (name, axis) in enumerate(self.inputs.items())
         }
-        return self._considering(x, values)
+        return self.at_variables(values, x)
 
-    def at_variables(self, variables: dict[str, Array]) -> "Question":
-        """The question at designs of physical variables, (design,) each, SI; they may lie outside the ranges."""
-        return self._considering(np.empty((0, 0)), variables)
-
-    def _considering(self, x: Array, variables: dict[str, Array]) -> "Question":
+    def at_variables(self, variables: dict[str, Array], x: Array | None = None) -> "Question":
+        """The question at designs of physical variables, (design,) each, SI, which may lie outside the ranges."""
         other = copy.copy(self)  # with what is cached: neither terms nor scenarios depend on designs
-        object.__setattr__(other, "x", x)
+        object.__setattr__(other, "x", np.empty((0, 0)) if x is None else x)
         object.__setattr__(other, "variables", variables)
         return other
 

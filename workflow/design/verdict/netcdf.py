@@ -93,12 +93,7 @@ _ROWS: dict[str, type[Any]] = {
 #: The meeting of punch and body that a file does not name.
 _USUAL: Meeting = "line"
 _SCALARS = ("overload", "overload_term")
-#: Variables that are no pictures.
-_OWN = {
-    *_TERM, *_VARIABLE, *_SENSITIVITY, *_TOLERATED, *_SCALARS, "edge", "elasticity", "worst", "effect", "spread",
-    "feasible", "status", "beyond", "flags", "nominal_exact", "nominal_choice",
-    *(field.name for row in _ROWS.values() for field in fields(row)),
-}  # fmt: skip
+_PICTURED = ("map_", "slice_", "front_", "field_", "inside_")  # first letters of what only pictures need
 
 
 def dataset(answer: Answer) -> xr.Dataset:
@@ -168,7 +163,7 @@ def answer_of(data: xr.Dataset) -> Answer:
         tuple(variables),
         overload=Overload(*(data[key].item() for key in _SCALARS)) if set(_SCALARS) <= set(data) else None,
         tolerated=_tolerated(data),
-        pictures=data.drop_vars([name for name in data.data_vars if name in _OWN]).drop_attrs(deep=False),
+        pictures=data[[name for name in data.data_vars if str(name).startswith(_PICTURED)]].drop_attrs(deep=False),
         **contents,
     )
 
