@@ -46,13 +46,6 @@ class Interval:
         slopes = chebder(series) * 2 / (self.high - self.low)
         return np.concatenate([slopes, np.zeros((1, *slopes.shape[1:]))])
 
-    def taylor(self, terms: int) -> Array:
-        """Return matrices from values at the points to the series of f, f', f''/2 and so on; (term, count, point)."""
-        series = [coefficients(np.eye(self.count))]
-        for power in range(1, terms):
-            series.append(self.derived(series[-1]) / power)
-        return np.stack(series)
-
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:

@@ -357,6 +357,14 @@ SPACE_QUANTITIES: dict[str, Described] = {
     ),
 }  # fmt: skip
 
+#: Those of them that are slopes, by what each costs: solutions by a change of voltage, and at other loads as well.
+SPACE_SLOPES = {
+    **dict.fromkeys(("stroke_per_volt", "capacitance", "capacitance_at_force"), "BY_VOLTAGE"),
+    **dict.fromkeys(
+        ("contact_stiffness", "contact_stiffness_open", "blocked_force_per_volt", "voltage_per_force"), "BY_LOAD"
+    ),
+}
+
 #: Maps of a contact in space over (x, y), as :func:`solver.solve_map` gives them.
 MAPS: dict[str, Described] = {
     "contact_pressure": Described("Pa", "contact pressure -sigma_zz"),

@@ -97,6 +97,12 @@ def _figures_are_closed() -> Iterator[None]:
         sys.modules["matplotlib.pyplot"].close("all")
 
 
+@pytest.fixture
+def command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> programs.Command:
+    """The command line, with files in the test's folder."""
+    return programs.Command(tmp_path, capsys)
+
+
 @pytest.fixture(scope="session")
 def quickstart_run(copy: Copy) -> Project:
     """Folder in which the quickstart has run to its report, or what `make run` left of it; no test may change it."""

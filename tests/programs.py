@@ -1,4 +1,4 @@
-"""Programs that tests start and that no Python package brings.
+"""The command line in the tests' process, and programs that tests start and that no Python package brings.
 
 A test marked ``needs("node", "ncdump")`` is skipped, with the Debian packages to install, where one is missing
 (`tests/conftest.py`). Nothing else in the tests looks for programs.
@@ -6,6 +6,9 @@ A test marked ``needs("node", "ncdump")`` is skipped, with the Debian packages t
 
 import shutil
 from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
 
 #: Debian package of each program.
 PACKAGES = {
@@ -43,6 +46,42 @@ def missing(programs: Iterable[str]) -> str:
     absent = [program for program in programs if find(program) is None]
     packages = dict.fromkeys(PACKAGES[program] for program in absent)
     return f"no {' or '.join(absent)} (Debian: {' '.join(packages)})" if absent else ""
+
+
+class Command:
+    """``meecontact`` in this process, with files in a folder."""
+
+    def __init__(self, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        self.folder, self.capsys = folder, capsys
+
+    def file(self, name: str, text: str) -> Path:
+        """Write a file and return its path."""
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def status(self, *words: str | Path) -> int:
+        """Exit status of a command."""
+        from workflow.cli import main
+
+        try:
+            return main.main([str(word) for word in words])
+        except SystemExit as stopped:
+            return int(stopped.code or 0)
+
+    def __call__(self, *words: str | Path) -> tuple[str, str]:
+        """Output and messages of a command that ends well."""
+        self.capsys.readouterr()
+        status, said = self.status(*words), self.capsys.readouterr()
+        assert status == 0, said.err
+        return said
+
+    def refused(self, *words: str | Path) -> str:
+        """The single line of a command that is refused."""
+        self.capsys.readouterr()
+        status, said = self.status(*words), self.capsys.readouterr()
+        assert (status, said.out, said.err.count("\n")) == (2, "", 1), said
+        return said.err
 
 
 #: Seconds that a test waits for another process: long enough for a busy machine.

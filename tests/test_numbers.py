@@ -2,11 +2,13 @@
 
 import itertools
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.interpolate import CubicSpline
 
 import solver
@@ -77,6 +79,12 @@ DESIGNS: dict[str, dict[str, float | str]] = {
     "voltage": {"volume_fraction": 0.8325, "thickness": 1.486e-3, "radius": 0.0432, "load": 5e3, "base": "steel"},
     "quiet": {"volume_fraction": 0.8325, "thickness": 3.3e-3, "radius": 0.102, "load": 1e4, "base": "steel"},
 }
+GROUNDED: dict[str, Any] = {
+    "interface_electric": "grounded", "interface_magnetic": "grounded", "punch": "steel", "friction": 0.3
+}  # fmt: skip
+BALL: dict[str, Any] = {
+    "material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6, "base": "steel", "punch": "steel"
+}  # fmt: skip
 FIGURES = {
     "charge_per_force": 1e12,
     "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
@@ -87,42 +95,43 @@ FIGURES = {
 }
 
 
+def device_figures(
+    case: dict[str, Any], study: str, meeting: Meeting, formulas: Iterable[str]
+) -> tuple[xr.Dataset, list[float]]:
+    """Answer to a case, and figures of the device of a shipped study in it."""
+    device = Device.model_validate(read_yaml(Path(ROOT / f"config/{study}.yaml"))["device"])
+    answer = solver.solve(case)
+    values = {str(quantity): np.abs(array.values) for quantity, array in answer.data_vars.items()}
+    numbers = {**device.constants, **{factor: value for factor, value in case.items() if not isinstance(value, str)}}
+    values |= {factor: np.asarray(value) for factor, value in numbers.items()}
+    return answer, [float(grammar.parse(text, meeting).evaluate(values)) for text in formulas]
+
+
 @pytest.mark.parametrize("name", DESIGNS)
 def test_air_changes_a_film_sensor_as_stated(name: str) -> None:
-    case = DESIGNS[name]
-    grounded = {"interface_electric": "grounded", "interface_magnetic": "grounded", "punch": "steel", "friction": 0.3}
-    device = Device.model_validate(read_yaml(Path(ROOT / "config/film_sensor.yaml"))["device"])
-    factors = {factor: value for factor, value in case.items() if not isinstance(value, str)}
     meetings: tuple[tuple[str, Meeting], ...] = (("insulated", "line"), ("air", "line in air"))
     columns = []
     for surroundings, meeting in meetings:
-        answer = solver.solve({**grounded, **case, "surroundings": surroundings})
-        values = {str(quantity): np.abs(array.values) for quantity, array in answer.data_vars.items()}
-        values |= {factor: np.asarray(value) for factor, value in {**device.constants, **factors}.items()}
-        figures = (float(grammar.parse(text, meeting).evaluate(values)) * scale for text, scale in FIGURES.items())
-        columns.append([f"{figure:.3g}" for figure in figures])
+        case = GROUNDED | DESIGNS[name] | {"surroundings": surroundings}
+        _, figures = device_figures(case, "film_sensor", meeting, FIGURES)
+        columns.append([f"{figure * scale:.3g}" for figure, scale in zip(figures, FIGURES.values(), strict=True)])
     pairs = (", ".join(pair) for pair in zip(*columns, strict=True))
     assert f"| {name} | {' | '.join(pairs)} |" in LIMITS
 
 
 def noise_in_kelvin(case: dict[str, Any], study: str, meeting: Meeting, length: float) -> tuple[float, float]:
     """Changes of temperature everywhere that equal the noise and the force [K]."""
-    device = Device.model_validate(read_yaml(Path(ROOT / f"config/{study}.yaml"))["device"])
-    answer = solver.solve(case)
-    values = {str(quantity): np.abs(array.values) for quantity, array in answer.data_vars.items()}
-    numbers = {factor: value for factor, value in case.items() if not isinstance(value, str)}
-    values |= {factor: np.asarray(value) for factor, value in {**device.constants, **numbers}.items()}
+    answer, (smallest,) = device_figures(case, study, meeting, ["smallest_force"])
     per_newton = abs(float(answer["charge_per_force"]))
-    noise = float(grammar.parse("smallest_force", meeting).evaluate(values)) * per_newton
+    noise = smallest * per_newton
     _, uniform = responses(case, answer, np.array([1.0]))
     force = case.get("force", case.get("load", 0.0) * length) * per_newton
     return noise / abs(uniform * length), force / abs(uniform * length)
 
 
 def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
-    common: dict[str, Any] = {"punch": "steel", "surroundings": "air"}
-    line = common | {"interface_electric": "grounded", "interface_magnetic": "grounded", "friction": 0.3}
-    kelvin = [noise_in_kelvin(line | case, "film_sensor", "line in air", 0.01) for case in DESIGNS.values()]
+    air = {"surroundings": "air"}
+    kelvin = [noise_in_kelvin(GROUNDED | air | case, "film_sensor", "line in air", 0.01) for case in DESIGNS.values()]
     charge, voltage, quiet = (f"{1e6 * noise:.2g}" for noise, _ in kelvin)
     largest = [force for _, force in kelvin]
     assert f"a change of {charge}, {voltage} and {quiet} uK everywhere" in LIMITS
@@ -130,13 +139,7 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
     text = described("film_sensor")
     assert f"of {quiet} to {charge} microkelvin everywhere makes as much charge as the smallest" in text
     assert f"one of {min(largest):.1g} to {max(largest):.1g} K as much as the rated one" in text
-    ball: dict[str, Any] = common | {
-        "material": "PZT-4",
-        "profile": "sphere",
-        "magnetic": "insulating",
-        "base": "steel",
-    }
-    ball |= {"thickness": 50e-6, "radius": 0.017}
+    ball = BALL | air | {"magnetic": "insulating", "thickness": 50e-6, "radius": 0.017}
     meeting: Meeting = "point in air, charge amplifier"
     (large, _), (small, _) = (noise_in_kelvin(ball | {"force": f}, "point_sensor", meeting, 1.0) for f in (0.2, 0.02))
     assert f"at 200 mN {1e6 * large:.3g} uK, at 20 mN {1e6 * small:.3g} uK" in LIMITS
@@ -179,8 +182,7 @@ def test_a_warm_finger_makes_the_stated_charge() -> None:
 
 
 def test_a_ball_s_heat_is_as_stated() -> None:
-    ball: dict[str, Any] = {"material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6}
-    ball |= {"base": "steel", "punch": "steel", "magnetic": "insulating", "force": 0.2}
+    ball = BALL | {"magnetic": "insulating", "force": 0.2}
     insulated, air = (solver.solve(ball | {"surroundings": kind}) for kind in ("insulated", "air"))
     shares = []
     for solved, kind in ((insulated, "insulated"), (air, "air")):
@@ -193,10 +195,7 @@ def test_a_ball_s_heat_is_as_stated() -> None:
 
 def test_the_field_beyond_a_contact_s_edge_is_as_large_as_stated() -> None:
     """All of a film polarised alike: what collects by its capacitance, over the contact and the parts below its gap."""
-    line = {"punch": "steel", "interface_electric": "grounded", "interface_magnetic": "grounded", "friction": 0.3}
-    ball = {"material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6, "base": "steel"}
-    cases: list[dict[str, Any]] = [line | design for design in DESIGNS.values()]
-    cases.append(ball | {"punch": "steel", "magnetic": "insulating", "force": 0.2})
+    cases = [*(GROUNDED | design for design in DESIGNS.values()), BALL | {"magnetic": "insulating", "force": 0.2}]
     shares: dict[str, list[float]] = {"insulated": [], "air": []}
     for kind, case in itertools.product(shares, cases):
         values = {str(name): float(array) for name, array in solver.solve(case | {"surroundings": kind}).items()}

@@ -175,29 +175,24 @@ def _resolved() -> tuple[list[Check], list[Curve]]:
     }
     checks, curves = [], []
     for name, (stack, friction) in _systems().items():
-        errors = cache(partial(_errors, stack, friction))
+        errors = cache(partial(_errors, stack, friction))  # timed in the first check
 
-        def worst(which: slice, errors: Callable[[], Callable[[slice], Array]] = errors) -> float:
-            return float(np.max(errors()(which)))
+        def worst(which: slice, errors: Callable[[], Array] = errors) -> float:
+            return float(np.max(errors()[:, which]))
 
         checks += [
             check(f"Resolution: {what}, {name}", f"default, and {FINER} times as many terms; h/h1 from 0.01 to 30",
                   tolerance, worst, which)
             for what, (which, tolerance) in kinds.items()
         ]  # fmt: skip
-        shown = np.maximum(errors()(slice(0, 1)), np.finfo(float).eps)
+        shown = np.maximum(errors()[:, 0], np.finfo(float).eps)
         curves.append(Curve("film_resolution", name, "half-length over thickness", RATIOS.tolist(), shown.tolist()))
     return checks, curves
 
 
-def _errors(stack: Stack, friction: float) -> Callable[[slice], Array]:
-    """Largest error of some outputs by every cause, over their largest; at every one of ``RATIOS``."""
+def _errors(stack: Stack, friction: float) -> Array:
+    """Largest error of each output by every cause, over its largest; at every one of ``RATIOS``, (ratio, output)."""
     sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array([True, True]))
     span = kernel(stack, 2.01 * RATIOS[-1] * stack.top.thickness)
     coarse, fine = (at(System(span, sliding, (True, True), 1, accuracy), RATIOS) for accuracy in (1.0, FINER))
-
-    def of(which: slice) -> Array:
-        miss, size = np.abs(coarse - fine)[:, which], np.abs(fine[:, which])
-        return np.asarray(np.max(miss.max(axis=-1) / size.max(axis=-1), axis=-1))
-
-    return of
+    return np.asarray(np.abs(coarse - fine).max(axis=-1) / np.abs(fine).max(axis=-1))

@@ -26,7 +26,7 @@ class _InAir(OnPoints):
         def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
             warn_of_order(pressed)
             permittivity, end = self._gap(places)
-            rim = None if pressed.friction is None else self._rim(places)
+            rim = None if pressed.friction is None else self._rim(places, pressed)
             values = with_nominal_field(quantities(pressed, permittivity, end, rim), pressed)
             if "gap_radius" in self.cases.values and np.any(narrow := values["contact_radius"] > end):
                 raise CaseError(

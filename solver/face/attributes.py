@@ -7,7 +7,7 @@ import xarray as xr
 
 from solver.body import KINDS, Kind, Touch
 from solver.described import Described
-from solver.face.filmfactors import present
+from solver.face.factorvalues import FactorValues
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.names import (
@@ -37,10 +37,9 @@ _LISTS = ("composite", "phases", "defaults")
 _TEXTS = ("title", "source")
 
 
-def attributes(title: str, arrays: Mapping[str, xr.DataArray], phases: Sequence[str | Material]) -> dict[str, str]:
+def attributes(title: str, cases: FactorValues, phases: Sequence[str | Material]) -> dict[str, str]:
     """Title, source, composite and phases, and the defaults of all factors that were not given."""
-    defaults = _defaults(arrays)
-    kinds = present(arrays)
+    defaults, arrays, kinds = _defaults(cases), cases.arrays, cases.kinds
     attrs = {
         "title": title.replace("half-plane", " or ".join(sorted(kind.name for kind in kinds))),
         "source": "; ".join(
@@ -95,8 +94,9 @@ def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
     return whole
 
 
-def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
+def _defaults(cases: FactorValues) -> dict[str, float | str]:
     """Defaults that are used; only what a profile takes is one."""
+    arrays = cases.arrays
     defaults: dict[str, float | str] = {
         name: factor.default for name, factor in FACTORS.items() if factor.default is not None and name not in arrays
     }
@@ -106,15 +106,14 @@ def _defaults(arrays: Mapping[str, xr.DataArray]) -> dict[str, float | str]:
         defaults["slope"] = 0.0
     spared = {"composite"} if {"material", BODY} & set(arrays) else set()
     spared |= set() if "corner" in takes else {"corner"}
-    kinds_present = present(arrays)
     spared |= {name for kind in KINDS.values() for name in kind.factors}
     if BODY not in arrays:
-        spared -= {name for kind in kinds_present for name in kind.factors}
-    contacts = {kind.contact for kind in kinds_present}
+        spared -= {name for kind in cases.kinds for name in kind.factors}
+    contacts = {kind.contact for kind in cases.kinds}
     unused = {name for contact, loads in CONTACTS.items() if contact not in contacts for name in loads.charges}
     unused |= set() if "line" in contacts else set(OF_A_LINE)
-    unused |= set() if any(kind.air for kind in kinds_present) else {*OF_A_GAP}
-    unused |= set() if any(kind.space for kind in kinds_present) else {*OF_SPACE}
+    unused |= set() if any(kind.air for kind in cases.kinds) else {*OF_A_GAP}
+    unused |= set() if any(kind.space for kind in cases.kinds) else {*OF_SPACE}
     unused |= {name for outline in PROFILES.values() if outline.space for name in outline.may} - takes
     unused |= set() if "patch_size" in arrays else {*OF_AN_ELECTRODE}
     unused |= {*OF_HEAT}  # which the contact does not know

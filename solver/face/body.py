@@ -36,6 +36,10 @@ class Body(ABC):
     def quantities(self) -> dict[str, Array]:
         """Quantities that come together and that every case has; (...)."""
 
+    def requested(self, names: Set[str] | None) -> dict[str, Array]:
+        """The same, or more of them than these names, where to leave others out saves no time; None: all; (...)."""
+        return self.quantities()
+
     @abstractmethod
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
         """Requested quantities that need a search and that every case has; (...)."""

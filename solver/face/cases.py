@@ -6,7 +6,6 @@ about how the cases are told apart, aligned or labelled. Which body the cases li
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, Self, TypeAlias
 
 import numpy as np
@@ -20,7 +19,7 @@ from solver.body import Kind
 from solver.cache import trim_after_call
 from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
-from solver.face.filmfactors import kinds_of, present
+from solver.face.factorvalues import FactorValues
 from solver.face.refusal import CaseError
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -37,34 +36,14 @@ Rows: TypeAlias = slice | Indices
 
 
 @dataclass(frozen=True, eq=False)
-class Cases:
+class Cases(FactorValues):
     """Cases by their factors."""
 
-    arrays: Mapping[str, xr.DataArray]
     materials: Mapping[str, Material]
     phases: Sequence[str | Material]
     # Of a block of a table: a case of each distinct material and speed, and the one of each row unless all share one
     distinct: Self | None = None
     case_index: Indices | None = None
-
-    @cached_property
-    def sizes(self) -> dict[str, int]:
-        """Dimensions of the cases."""
-        return {str(dim): size for array in self.arrays.values() for dim, size in array.sizes.items()}
-
-    @cached_property
-    def values(self) -> dict[str, NDArray[Any]]:
-        """Factors with one axis for each dimension, of length one where the factor does not vary."""
-        aligned = {}
-        for name, array in self.arrays.items():
-            present = [dim for dim in self.sizes if dim in array.dims]
-            shape = [array.sizes.get(dim, 1) for dim in self.sizes]
-            aligned[name] = array.transpose(*present).values.reshape(shape)
-        return aligned
-
-    def number(self, name: str) -> Array:
-        """A numeric factor, or its default; 0 where it has none."""
-        return self.values.get(name, np.array(FACTORS[name].default or 0.0))
 
     @property
     def force(self) -> Array:
@@ -113,11 +92,6 @@ class Cases:
     def _one(self, name: str) -> Any:
         """A named choice that all cases share, or its default."""
         return self.values[name].flat[0] if name in self.values else CHOICES[name][0]
-
-    @cached_property
-    def kinds(self) -> list[Kind]:
-        """The kinds of body of the cases."""
-        return present(self.arrays)
 
     @property
     def kind(self) -> Kind:
@@ -232,18 +206,18 @@ class Cases:
         """The part of each kind of case, put together, with global attributes."""
         try:
             with one_thread():
-                return self._by_kind(part).assign_attrs(attributes(title, self.arrays, self.phases))
+                return self._by_kind(part).assign_attrs(attributes(title, self, self.phases))
         finally:
             trim_after_call()
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each profile, corner, surroundings and body, put together along what they vary on."""
-        for name in (*_OF_A_KIND, "surroundings", "thickness"):
-            labels = kinds_of(self.arrays) if name == "thickness" else self.arrays.get(name, xr.DataArray())
-            kinds = labels.values
-            if kinds.size < 2 or len(dict.fromkeys(kinds.flat)) < 2:
+        of_a_kind = (self.values.get(name, np.array("")) for name in (*_OF_A_KIND, "surroundings"))
+        for labels in (*of_a_kind, self.kind_names):
+            if labels.size < 2 or len(dict.fromkeys(labels.flat)) < 2:
                 continue
-            dim, places = _split(labels)
+            axis, places = _split(labels)
+            dim = [*self.sizes][axis]
             solved = [self.selected(dim, place)._by_kind(part) for place in places]
             shared = [key for key in solved[0].data_vars if all(key in part for part in solved)]
             whole = xr.concat(
@@ -295,16 +269,15 @@ def _column(values: NDArray[Any], rows: Rows, dim: str) -> xr.DataArray:
     return xr.DataArray(part[:1].reshape(())) if alike else xr.DataArray(part, dims=dim)
 
 
-def _split(kinds: xr.DataArray) -> tuple[str, list[Indices]]:
-    """A dimension along which kinds differ, and the places on it that are alike in all others."""
-    for dim in kinds.dims:
-        whole = kinds.transpose(dim, ...).values
+def _split(kinds: NDArray[Any]) -> tuple[int, list[Indices]]:
+    """An axis along which kinds differ, and the places on it that are alike on all others."""
+    for axis, count in enumerate(kinds.shape):
         slices: dict[tuple[object, ...], list[int]] = {}
-        for place, values in enumerate(whole.reshape(len(whole), -1)):
+        for place, values in enumerate(np.moveaxis(kinds, axis, 0).reshape(count, -1)):
             slices.setdefault(tuple(values), []).append(place)
         if len(slices) > 1:
             break
-    return str(dim), [np.array(places) for places in slices.values()]
+    return axis, [np.array(places) for places in slices.values()]
 
 
 def _label(value: object) -> str:

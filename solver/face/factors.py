@@ -10,54 +10,20 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from solver.arrays import is_finite, nearest, shown, unmasked
-from solver.described import Contact
-from solver.face.electrodes import check_electrodes
-from solver.face.filmfactors import (
-    absent,
-    among,
-    bare,
-    check_elasticity,
-    check_films,
-    check_gaps,
-    check_heat,
-    check_space,
-    in_space,
-    refuse,
-    settled,
-)
+from solver.face.factorvalues import FactorValues, absent, settled
 from solver.face.refusal import FactorError
 from solver.face.rows import CASE, Factors, by_name
+from solver.face.rules import check, check_surrounded
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
 from solver.material.usual import question
-from solver.names import (
-    BODY,
-    CHOICES,
-    COMPOSITES,
-    CONTACTS,
-    FACTORS,
-    HEIGHT_MAP,
-    MATERIALS,
-    OF_A_FILM,
-    OF_A_GAP,
-    OF_A_LINE,
-    OF_AN_ELECTRODE,
-    OF_HEAT,
-    PROFILES,
-)
+from solver.names import BODY, CHOICES, FACTORS, HEIGHT_MAP, MATERIALS, OF_A_FILM
 from solver.stack.layers import Stack
 from solver.units import in_si
 
 _SMALLEST = float(np.finfo(np.float64).tiny)
-_STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
-_OF_LAYERS = {BODY, "surroundings", *OF_A_FILM, *OF_A_GAP, *OF_AN_ELECTRODE, *OF_HEAT}
 _MAY_BE_EMPTY = (*OF_A_FILM, "surroundings")
-#: Factors of shapes, and what else only some profiles have.
-_OF_SHAPES = tuple(dict.fromkeys(name for outline in PROFILES.values() for name in outline.takes))
 _OUTPUT_DIMS = ("position", "x", "y")
-_CHARGES = {
-    "charge": "electric", "magnetic_charge": "magnetic", "total_charge": "electric", "total_flux": "magnetic",
-}  # fmt: skip
 
 
 def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyType({})) -> dict[str, xr.DataArray]:
@@ -84,9 +50,6 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
         elif name in CHOICES and not isinstance(value, Profile):
             _choice(str(name), array, (*CHOICES[str(name)], *((None, "") if name in _MAY_BE_EMPTY else ())))
         arrays[str(name)] = array
-    if BODY not in arrays:
-        _check_material(arrays)
-    _check_profile(arrays)
     for name, array in arrays.items():
         for dim in array.dims:
             if dim != name and (dim in known or dim in _OUTPUT_DIMS):
@@ -95,10 +58,10 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
         arrays = dict(zip(arrays, xr.align(*arrays.values(), join="exact", copy=False), strict=True))
     except ValueError as error:
         raise FactorError(f"factors: dimensions do not fit each other: {str(error).splitlines()[0]}") from error
-    _check_charges(arrays)
-    check_elasticity(arrays, "punch")
-    check_space(arrays)
-    return _with_layers(arrays) if arrays.keys() & _OF_LAYERS or in_space(arrays).values.any() else arrays
+    check(FactorValues(arrays))
+    arrays = settled(arrays)
+    check_surrounded(FactorValues(arrays))
+    return arrays
 
 
 def _with_cuts(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
@@ -112,99 +75,12 @@ def _with_cuts(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.Dat
     return array.copy(data=cells)
 
 
-def _with_layers(arrays: dict[str, xr.DataArray]) -> dict[str, xr.DataArray]:
-    """Checked factors of which some belong to films, gaps or electrodes, with the surroundings of every case."""
-    check_films(arrays)
-    arrays = settled(arrays)
-    check_gaps(arrays)
-    check_electrodes(arrays)
-    check_heat(arrays)
-    return arrays
-
-
 def _check_modulus(name: str, array: xr.DataArray) -> None:
     """No modulus is so small that it has lost its unit; a text with its unit passes."""
     if name.endswith("_modulus") and array.dtype.kind in "iuf":
         values = array.values.astype(np.float64)
         if complaint := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
             raise FactorError(f"{name}: {complaint.removeprefix('young: ')}")
-
-
-def _check_material(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Either a material, or composites with the fractions that they need and no other."""
-    fractions = [name for name in dict.fromkeys(COMPOSITES.values()) if name in arrays]
-    if "material" in arrays:
-        if fractions or "composite" in arrays:
-            other = fractions[0] if fractions else "volume_fraction"
-            raise FactorError(f"material: give either a material or a composite's {other}, not both")
-        return
-    if "composite" not in arrays and not fractions:
-        raise FactorError("material: missing; give a material's name, or a composite's volume_fraction")
-    composites = dict.fromkeys(arrays["composite"].values.flat) if "composite" in arrays else [CHOICES["composite"][0]]
-    taken = {COMPOSITES[kind]: kind for kind in composites}
-    for name in fractions:
-        if name not in taken:
-            owners = [kind for kind, fraction in COMPOSITES.items() if fraction == name]
-            raise FactorError(f"{name}: the composite {', '.join(composites)} has none; {' or '.join(owners)} has it")
-    for name, kind in taken.items():
-        if name not in fractions:
-            raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed} (composite {kind})")
-
-
-def _check_profile(arrays: Mapping[str, xr.DataArray]) -> None:
-    """Every profile has the factors that it needs, and no factor is there that none of them takes."""
-    kinds = list(dict.fromkeys(arrays["profile"].values.flat)) if "profile" in arrays else ["cylinder"]
-    profiles = [str(kind) for kind in kinds if not isinstance(kind, Profile)]
-    takes = {name: PROFILES[name] for name in profiles}
-    for profile, outline in takes.items():
-        for name in outline.needs:
-            if name not in arrays:
-                raise FactorError(f"{name}: missing; must be {FACTORS[name].allowed} (profile {profile})")
-    outlines = list(takes.values()) or [PROFILES["cylinder"]]  # a profile of one's own is pressed along a line
-    _check_contacts(arrays, {outline.contact for outline in outlines}, ", ".join(profiles) or "given")
-    taken = {name for outline in takes.values() for name in outline.takes}
-    for name in _OF_SHAPES:
-        if name in arrays and name not in taken:
-            raise FactorError(f"{name}: the profile {', '.join(profiles) or 'given'} has none")
-    if "moment" in arrays and "slope" in arrays and "flat" in profiles:
-        raise FactorError("moment: give either the slope or the moment of a flat punch, not both")
-    for sharp in {"wedge", "cone"} & set(profiles) if "flat" not in profiles else ():
-        refuse(arrays, "slope", bare(arrays, "slope") <= 0, f"is not a finite number > 0 [1] (profile {sharp})")
-        if (steepest := float(np.max(arrays["slope"].values))) > _STEEPEST:
-            raise FactorError(
-                f"slope: {steepest:g} is {np.degrees(np.arctan(steepest)):.4g} degrees from the surface; must be <= "
-                f"{_STEEPEST:g}, 45 degrees: the theory is linear (profile {sharp})"
-            )
-
-
-def _check_contacts(arrays: Mapping[str, xr.DataArray], contacts: set[Contact], profiles: str) -> None:
-    """Check that line and point contacts have their own force and charges, and no others."""
-    for contact, loads in CONTACTS.items():
-        other = any(others.force in arrays for kind, others in CONTACTS.items() if kind not in contacts)
-        if contact in contacts and loads.force not in arrays and not other:
-            raise FactorError(f"{loads.force}: missing; must be {FACTORS[loads.force].allowed}")
-        if contact in contacts:
-            continue
-        rights = CONTACTS[next(iter(contacts))]
-        for name, right in zip((loads.force, *loads.charges), (rights.force, *rights.charges), strict=True):
-            if name in arrays and np.any(arrays[name].values):  # no charge is none of either kind
-                example = next(profile for profile, outline in PROFILES.items() if outline.contact == contact)
-                raise FactorError(
-                    f"{name}: the profile {profiles} has none; give {right} [{FACTORS[right].units}], or a profile "
-                    f"such as {example}"
-                )
-    if "line" not in contacts:
-        for name in OF_A_LINE:
-            if name in arrays:
-                raise FactorError(f"{name}: the profile {profiles} has none; only contacts along a line have it")
-
-
-def _check_charges(arrays: Mapping[str, xr.DataArray]) -> None:
-    """No charge stands on a punch that does not conduct it."""
-    for charge, field in _CHARGES.items():
-        if charge in arrays:
-            carried = (bare(arrays, charge) != 0) & among(arrays, field, ["insulating"])
-            refuse(arrays, charge, carried, f"on a punch that is {field} insulating; must be 0")
 
 
 def _array(name: str, value: object) -> xr.DataArray:

@@ -7,7 +7,7 @@ import numpy as np
 
 from solver.arrays import Array, BoolArray
 from solver.face.cases import Cases
-from solver.face.filmfactors import absent
+from solver.face.factorvalues import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
 from solver.line.windows import Coat, Constants, constants_of

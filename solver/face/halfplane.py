@@ -10,9 +10,9 @@ from solver.face.cases import Cases
 from solver.face.materials import half_plane_of, material_of, punch_datum, punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.halfplane.contact import Contact
-from solver.halfplane.fields import Separable, surface_fields
+from solver.halfplane.fields import surface_fields
 from solver.halfplane.interior import LINEAR, POTENTIALS, interior_parts, potentials
-from solver.halfplane.peaks import body_curves, peak_principal_tension, peak_von_mises
+from solver.halfplane.peaks import body_curves, peaks
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.quantities import quantities
@@ -52,13 +52,7 @@ class OnHalfPlane(Body):
         names = [name for name in PEAKS if name in requested]
         if names:
             self._require_c12(f"{names[0]} needs")
-        found_peaks: dict[str, Array] = {}
-        if {"peak_von_mises", "peak_von_mises_depth"} & requested:
-            largest = peak_von_mises(self.contact)
-            found_peaks |= {"peak_von_mises": largest.value, "peak_von_mises_depth": largest.depth}
-        if "peak_principal_tension" in requested:
-            found_peaks["peak_principal_tension"] = peak_principal_tension(self.contact).value
-        return {name: found_peaks[name] for name in names}
+        return peaks(self.contact, requested)
 
     @np.errstate(all="ignore")
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
@@ -69,10 +63,7 @@ class OnHalfPlane(Body):
         return sizes | (body_curves(self.contact) if "body" in regions else {})
 
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
-        fields = vars(surface_fields(self.contact, positions))
-        values = {name: field.values if isinstance(field, Separable) else field for name, field in fields.items()}
-        singular = {name: field for name, field in fields.items() if isinstance(field, Separable)}
-        return values | ({f"{name}_regular": field.regular for name, field in singular.items()} if regular else {})
+        return surface_fields(self.contact, positions, regular=regular)
 
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
         linear = tuple(name for name in LINEAR if name in names)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from solver.arrays import Array
 from solver.body import around
-from solver.face.filmfactors import absent, bare
+from solver.face.factorvalues import absent
 from solver.face.materials import material_named
 from solver.heat.charge import HeatedStack, HeatError, constant, film_gap
 from solver.heat.touch import Patch, Shape, Spot, Warmed
@@ -63,7 +63,8 @@ def with_heat(
         if charge is None:
             raise HeatError("heat: no electrode is read")
         known = xr.broadcast(
-            *(bare(arrays, name) for name in factors), *(out[name].reset_coords(drop=True) for name in contact)
+            *(arrays[name].drop_vars(arrays[name].coords) for name in factors),
+            *(out[name].reset_coords(drop=True) for name in contact),
         )
         touches = _Touches(materials, phases)
         columns = [array.values.ravel() for array in known]

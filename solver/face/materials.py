@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from solver.arrays import Array, BoolArray, shown
 from solver.face.cases import Cases
-from solver.face.filmfactors import absent
+from solver.face.factorvalues import absent
 from solver.face.refusal import FactorError
 from solver.halfplane.sliding import RIGID_PUNCH, Punch
 from solver.halfplane.surface import HalfPlane

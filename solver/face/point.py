@@ -68,11 +68,11 @@ class OnPoints(Body):
         out = quantities(pressed)
         if pressed.friction is not None:
             warn_of_order(pressed)
-            out |= sliding_quantities(pressed, self._rim(places))
+            out |= sliding_quantities(pressed, self._rim(places, pressed))
         return out
 
     @abstractmethod
-    def _rim(self, places: Indices) -> Rim | None:
+    def _rim(self, places: Indices, pressed: Pressed) -> Rim | None:
         """Surface just outside the contacts; None where a c12 is missing."""
 
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
@@ -86,7 +86,7 @@ class OnPoints(Body):
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
-        values = self._of_parts(lambda pressed, places: surface_fields(pressed, positions, self._rim(places)))
+        values = self._of_parts(lambda pressed, places: surface_fields(pressed, positions, self._rim(places, pressed)))
         if np.any(self._friction):
             values |= self._slid(positions)
         return self._with_regular(values, positions) if regular else values
@@ -250,7 +250,7 @@ class OnHalfSpace(OnPoints):
         stiffness, shear, *compliances = map(self._flat, (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
         return Rim(self._flat(rim.coupling, 3), stiffness, shear, self._flat(rim.share, 3), *compliances)
 
-    def _rim(self, places: Indices) -> Rim | None:
+    def _rim(self, places: Indices, pressed: Pressed) -> Rim | None:
         if self._lacks_c12 is not None:
             return None
         return self._rims.part(places)
@@ -317,9 +317,9 @@ class OnPointFilm(OnPoints):
     def _lacks_c12(self) -> str | None:
         return self._bodies.lacks_c12
 
-    def _rim(self, places: Indices) -> Rim | None:
+    def _rim(self, places: Indices, pressed: Pressed) -> Rim | None:
         """Rim of the top of cases of one body; None below an electrode or without c12."""
-        stack = next(_stack(pressed) for part, pressed in self._parts if part is places)
+        stack = _stack(pressed)
         is_known = self._lacks_c12 is None and not stack.electroded
         return Rim.of(stack.media[0].halfplane) if is_known else None
 

@@ -13,7 +13,7 @@ from typing import cast
 import numpy as np
 import xarray as xr
 
-from solver.arrays import Array, BoolArray, unmasked
+from solver.arrays import Array, unmasked
 from solver.body import Touch
 from solver.curves import REGIONS, SIZES, described
 from solver.face.body import Body
@@ -49,6 +49,7 @@ def solve(
     phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
     regular: bool = False,
     peaks: bool | Collection[str] = False,
+    outputs: Collection[str] | None = None,
 ) -> xr.Dataset:
     """Exact solution of every case: all quantities, and the surface fields where positions are given.
 
@@ -84,6 +85,9 @@ def solve(
         Also give the quantities of ``solver.names.PEAKS``, or ``FILM_PEAKS`` of films, or those of them that are named:
         they are searched for over the body, some milliseconds a case where the others take some microseconds, under a
         point a second, and need c12.
+    outputs
+        Names of ``solver.names.ALL_QUANTITIES`` to return, those of a search among them; by default all but these. In
+        space stiffness, blocked force and voltage per force take half of the time: they are solved if named.
 
     Returns
     -------
@@ -98,10 +102,10 @@ def solve(
     Raises
     ------
     FactorError
-        Unknown, missing, non-finite or out-of-range factor or position; an unknown name in ``peaks``; a charge on an
-        insulating punch; a speed that is not below the limiting one; a film without base, or a
-        base without film; a contact that would need tension, one beyond the resolved range of a film, or several for
-        one load. Names field, value and what is allowed.
+        Unknown, missing, non-finite or out-of-range factor or position; an unknown name in ``peaks`` or ``outputs``; a
+        charge on an insulating punch; a speed that is not below the limiting one; a film without base, or a base
+        without film; a contact that would need tension, one beyond the resolved range of a film, or several for one
+        load. Names field, value and what is allowed.
     MaterialError
         Unknown or inadmissible material.
 
@@ -126,20 +130,23 @@ def solve(
     {'case': 2}
     """
     if parts := of_kinds(factors):
-        alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks)
+        alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks, outputs=outputs)
         return solved_by_kind(parts, lambda part: alike(part, positions))
     arrays = checked(factors, materials)
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
     X = None if positions is None else _positions(positions)
-    searched, strains = _searched(peaks), list[Excess]()
+    requested = None if outputs is None else _known("outputs", outputs, ALL_QUANTITIES)
+    searched = frozenset(ALL_PEAKS if peaks else ()) if isinstance(peaks, bool) else _known("peaks", peaks, ALL_PEAKS)
+    searched |= (requested or frozenset()) & ALL_PEAKS.keys()
+    strains = list[Excess]()
 
     def part(cases: Cases) -> xr.Dataset:
-        coordinates, inner = cases.coordinates, _without_edges_of(X)
+        coordinates, inner = cases.coordinates, np.empty(1) if X is None else np.where(np.abs(X) == 1, _WITHIN, X)
 
         def solved(block: Cases) -> tuple[dict[str, Array], dict[str, Array]]:
             body = body_of(block)
-            values = body.quantities() | (body.peaks(searched) if searched else {})
+            values = body.requested(requested) | (body.peaks(searched) if searched else {})
             return values, {} if X is None else body.surface(inner, regular=regular)
 
         searching = _SEARCH if searched else 1
@@ -160,8 +167,8 @@ def solve(
     if strains:
         count = prod(cases.sizes.values())
         warnings.warn(SmallStrainWarning(sentence(strains, count), strains), stacklevel=2)
-    first = [name for name in ALL_QUANTITIES if name in out]
-    ordered = [*first, *(name for name in out.data_vars if name not in first)]
+    first = [name for name in ALL_QUANTITIES if name in out and (requested is None or name in requested)]
+    ordered = [*first, *(name for name in out.data_vars if name not in ALL_QUANTITIES)]
     return out if ordered == list(out.data_vars) else out[ordered]
 
 
@@ -174,43 +181,32 @@ def body_of(cases: Cases) -> Body:
 
 
 _CARRIED = ("contact_pressure", "shear_traction")  # fields that tend to 0 at a smooth edge
+_WITHIN = 0.5  # position at which fields are solved in place of an edge
 _SEARCH = 256  # numbers a case of a search: 100 kB of temporaries
 _OF = "factors (contact as wide as the datum, or overflow)"
 
 
-def _without_edges_of(X: Array | None) -> Array:
-    """Positions that are no edges; one within the contact if there is no other."""
-    inner = np.empty(0) if X is None else X[np.abs(X) != 1]
-    return inner if inner.size else np.array([0.5])
-
-
 def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str, xr.Variable]:
     """Surface fields at positions; at an edge they are 0 where they tend to it from both sides, else NaN."""
-    edge = np.abs(X) == 1
-    axis = {"position": xr.Variable("position", _without_edges_of(X))}
+    axis = {"position": xr.Variable("position", X)}
     hollow = cases.kind.space  # no field beyond the window that was solved
     result = cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis, hollow=hollow)
-    if not np.any(edge):
+    if not np.any(edge := np.abs(X) == 1):
         return result
     leading, trailing = cases.smooth_edges
     smooth = ((X == -1) & leading) | ((X == 1) & trailing)
-    for name, variable in result.items():
-        values = np.full((*variable.shape[:-1], X.size), np.nan)
-        values[..., ~edge] = variable.values[..., : np.count_nonzero(~edge)]
-        if name in _CARRIED:
-            values[..., smooth] = 0.0
-        result[name] = xr.Variable(variable.dims, values, variable.attrs)
-    return result
+    at_edges = {name: np.where(smooth & (name in _CARRIED), 0.0, np.nan) for name in result}
+    return {
+        name: variable.copy(data=np.where(edge, at_edges[name], variable.values)) for name, variable in result.items()
+    }
 
 
-def _searched(peaks: bool | Collection[str]) -> frozenset[str]:
-    """Names of the quantities that are searched for."""
-    if isinstance(peaks, bool):
-        return frozenset(ALL_PEAKS if peaks else ())
-    for name in peaks:
-        if name not in ALL_PEAKS:
-            raise FactorError(f"peaks: {name!r} is unknown; known are {', '.join(ALL_PEAKS)}")
-    return frozenset(peaks)
+def _known(option: str, names: Collection[str], known: Collection[str]) -> frozenset[str]:
+    """The names that an option gives, all of which are known."""
+    for name in names:
+        if name not in known:
+            raise FactorError(f"{option}: {name!r} is unknown; known are {', '.join(known)}")
+    return frozenset(names)
 
 
 def _positions(positions: Iterable[float]) -> Array:
@@ -281,36 +277,19 @@ def solve_interior(
     for name in fields or ():
         if name not in EVERY_INTERIOR:
             raise FactorError(f"fields: {name!r} is not one of {', '.join(EVERY_INTERIOR)}")
+    edges = (grid_y == 0)[:, None] & (np.abs(grid_x) == 1)  # where fields are infinite or jump
     axes = {"y": xr.Variable("y", grid_y, _ALONG_Y), "x": xr.Variable("x", grid_x, _ALONG_X)}
 
     def part(cases: Cases) -> xr.Dataset:
         body = body_of(cases)
-        values = _without_edges(grid_x, grid_y, lambda x, y: body.interior(x, y, fields))
-        hollow = body.hollow or bool(np.any(_edges(grid_x, grid_y)))
+        values = body.interior(grid_x, grid_y, fields)
+        if np.any(edges):
+            values = {name: np.where(edges, np.nan, field) for name, field in values.items()}
+        hollow = body.hollow or bool(np.any(edges))
         outputs = cases.labelled(values, EVERY_INTERIOR, "factors and points (overflow)", axes, hollow=hollow)
         return xr.Dataset(outputs, cases.coordinates | axes)
 
     return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a punch", part)
-
-
-def _edges(x: Array, y: Array) -> BoolArray:
-    """Mark the points of a grid that are edges of the contact; (y, x)."""
-    return np.asarray((y == 0)[:, None] & (np.abs(x) == 1))
-
-
-def _without_edges(x: Array, y: Array, fields: Callable[[Array, Array], dict[str, Array]]) -> dict[str, Array]:
-    """Fields on a grid, NaN at the edges of the contact; (..., y, x)."""
-    edges = _edges(x, y)
-    if not np.any(edges):
-        return fields(x, y)
-    parts, result = [(~edges.any(1), np.full(x.size, True)), (edges.any(1), ~edges.any(0))], dict[str, Array]()
-    for rows, columns in parts:
-        if not (np.any(rows) and np.any(columns)):
-            continue
-        for name, values in fields(x[columns], y[rows]).items():
-            whole = result.setdefault(name, np.full((*values.shape[:-2], y.size, x.size), np.nan))
-            whole[..., np.flatnonzero(rows)[:, None], np.flatnonzero(columns)] = values
-    return result or {name: np.full_like(values, np.nan) for name, values in fields(0.5 * x, y).items()}
 
 
 def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:

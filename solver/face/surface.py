@@ -1,7 +1,7 @@
 """Cases of contacts in space: from their factors to bodies and shapes, solved one by one, and their maps."""
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from scipy.interpolate import RegularGridInterpolator
+from typing_extensions import override
 
 from solver.arrays import Array, shown
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.factors import checked
-from solver.face.filmfactors import absent
+from solver.face.factorvalues import absent
 from solver.face.materials import elasticity_of, material_of
 from solver.face.refusal import CaseError, FactorError
 from solver.face.rows import Factors
@@ -27,11 +28,15 @@ from solver.material.cuts import of_family
 from solver.material.library import find
 from solver.names import BODY, HEIGHT_MAP, MAPS, PROFILES
 from solver.stack.layers import RIGID, Layer, Stack
-from solver.surface.contact import SurfaceContact, solve_contact
-from solver.surface.quantities import quantities
+from solver.surface.contact import Slopes, SurfaceContact, solve_contact
+from solver.surface.quantities import quantities, slopes_of
 from solver.surface.response import SurfaceBody, SurfaceError, SurfaceLayer
 from solver.surface.shape import Cone, Disc, Ellipsoid, Map, Roller, RoughSphere, Shape, sphere
 
+#: Shapes whose sizes have the names of their factors.
+_SHAPES: dict[str, Callable[..., Shape]] = {
+    "rough_sphere": RoughSphere, "ellipsoid": Ellipsoid, "cone": Cone, "sphere": sphere,
+}  # fmt: skip
 _LARGEST_MAP = 2**28  # bytes of a file of heights: 4096 x 4096 numbers of 16 characters
 _MECHANICAL = (
     "contact_area", "contact_length_x", "contact_length_y", "peak_pressure", "depth", "friction_force_x",
@@ -48,6 +53,12 @@ class OnSurface(Body):
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of ``solver.names.SPACE_QUANTITIES`` that every case has; (...)."""
+        return self.requested(None)
+
+    @override
+    def requested(self, names: Set[str] | None) -> dict[str, Array]:
+        slopes = slopes_of(names)
+        self._contacts = [_Contact(case, slopes) for case in _singles(self.cases)]
         out = self._joined([contact.quantities() for contact in self._contacts])
         excess = out["relative_error"] / np.broadcast_to(self.cases.number("grid_error"), self.shape)
         if np.any(excess > 1):
@@ -159,12 +170,13 @@ class _Contact:
     """One contact in space."""
 
     case: Cases
+    slopes: Slopes = Slopes.NONE
 
     def quantities(self) -> dict[str, float]:
         """Quantities by name."""
-        out = quantities(self.charged)
+        out = quantities(self.charged, self.slopes)
         if self._metallic:
-            return {name: out[name] for name in _MECHANICAL}
+            return {name: out[name] for name in _MECHANICAL if name in out}
         if self._stack is not None:
             above = [bool(held) for held in self._stack.grounded].index(True) + 1 if any(self._stack.grounded) else None
             thickness = sum(layer.thickness for layer in self._stack.layers[:above])
@@ -192,10 +204,10 @@ class _Contact:
         """Contact with its charge; on a metal, which takes every charge, at zero voltage."""
         charge = float(self.case.number("total_charge"))
         if not self._metallic:
-            return self._solved(charge=charge, derivatives=True)
+            return self._solved(charge=charge, slopes=self.slopes)
         if charge:
             raise FactorError(f"total_charge: {charge:g} of a punch on a metal, which takes it; must be 0")
-        return self._solved(voltage=0.0)
+        return self._solved(voltage=0.0, slopes=min(self.slopes, Slopes.BY_VOLTAGE))
 
     def _solved(self, **control: Any) -> SurfaceContact:
         case = self.case
@@ -301,19 +313,9 @@ class _Contact:
             if profile == "roller":
                 crown = size["crown_radius"]
                 return Roller(size["radius"], size["length"], crown if crown > 0 else np.inf, size["tilt"])
-            if profile == "rough_sphere":
-                return RoughSphere(
-                    size["radius"],
-                    size["roughness"],
-                    size["longest_wavelength"],
-                    size["shortest_wavelength"],
-                    size["realisation"],
-                )
-            if profile == "ellipsoid":
-                return Ellipsoid(size["radius_x"], size["radius_y"])
-            if profile == "cone":
-                return Cone(size["slope"])
-            return Disc(size["width"] / 2) if profile == "disc" else sphere(size["radius"])
+            if profile == "disc":
+                return Disc(size["width"] / 2)
+            return _SHAPES[profile](**size)
         except SurfaceError as error:
             raise FactorError(str(error)) from None
 

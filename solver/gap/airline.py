@@ -15,7 +15,7 @@ from approximation.arrays import Indices
 from solver.arrays import Array, selected
 from solver.gap.newton import Frame, GapStates, Linear, Settled, Terms, continued, settled
 from solver.gap.operators import BALANCE, DISPLACEMENT, LOAD, SOLVING, AirTable, Operators
-from solver.line.contact import FilmContact, mean_power
+from solver.line.contact import FilmContact, rise
 from solver.line.extent import Causes, Loading
 
 _EXTENT = 2  # unknowns before the charges: log h, c/h
@@ -33,7 +33,7 @@ class LineStates(GapStates):
     def part(self, cases: Indices) -> Self:
         """Some of the cases."""
         loading = selected(self.loading, cases, "slope", "loads")
-        return replace(self._part(cases, "far", "media"), loading=loading)
+        return replace(selected(self, cases, "unknowns", "far", "media"), loading=loading)
 
     @cached_property
     def half(self) -> Array:
@@ -113,11 +113,7 @@ class LineStates(GapStates):
     @cached_property
     def _rise(self) -> Array:
         """Mean of g over the contact and its derivatives in log h and c/h; (case, 3)."""
-        result = np.zeros((self.half.size, 3))
-        for i, coefficient in enumerate(self.loading.slope.T):
-            size, mean = coefficient * self.half ** (i + 1), mean_power(self.centre, i + 1)
-            result += size[:, None] * np.stack([mean / (i + 1), mean, mean_power(self.centre, i)], 1)
-        return result
+        return rise(self.loading.slope, self.half, self.centre)
 
     @property
     def by_load(self) -> tuple[Array, Array]:

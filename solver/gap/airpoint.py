@@ -12,7 +12,7 @@ from typing import Self
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array
+from solver.arrays import Array, selected
 from solver.gap.newton import GapStates, Linear, Terms
 from solver.gap.ringoperators import RingOperators, RingTable, Rows
 from solver.gap.rings import Rings
@@ -31,7 +31,7 @@ class PointStates(GapStates):
 
     def part(self, cases: Indices) -> Self:
         """Some of the cases."""
-        return self._part(cases, "coefficient", "force", "charges", "media", "end")
+        return selected(self, cases, "unknowns", "coefficient", "force", "charges", "media", "end")
 
     @property
     def operators(self) -> RingOperators:
@@ -129,30 +129,3 @@ class PointStates(GapStates):
     def loads(self) -> Array:
         """P and the charges of the fields; (case, channel)."""
         return -self.rows[:, self.layout.loads] * self._load_unit[:, None]
-
-    def solution(self, case: int) -> "PointSolution":
-        """One of the cases."""
-        return PointSolution(
-            self.operators, float(self.radius[case]), float(self.size[case] / self.radius[case]), self.columns[case],
-            self.over_size[case], self.gap[case], self.thinned[case], self.terms.conductance[case], self.media[case],
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class PointSolution:
-    """One solved contact; tractions over C a^(e-1), displacements over C a^e."""
-
-    operators: RingOperators
-    radius: float  # Over the length of the body
-    unit: float  # C a^(e-1)
-    columns: Array  # Sizes of the columns of the operators; (column,)
-    over_size: Array  # Densities at the nodes over their size; (field, n)
-    gap: Array  # (n,)
-    thinned: Array  # Factor by which the finite punch weakens the gap's field; (n,)
-    conductance: Array  # Density over its size per potential, times the gap over the profile's; (field, n)
-    media: Array  # eps0 and mu0 of the conducted fields; (field,)
-
-    @property
-    def densities(self) -> Array:
-        """D_y and B_y at the nodes; (field, n)."""
-        return self.over_size * self.operators.rings.size

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Indices
-from approximation.chebyshev import gauss_points, interpolation, legendre_rule
+from approximation.chebyshev import legendre_rule
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
 
@@ -45,6 +45,26 @@ def gauss(ends: Array, count: int) -> tuple[Array, Array]:
     x, w = legendre_rule(count)
     half = np.diff(ends) / 2
     return (ends[:-1, None] + half[:, None] * (1 + x)).ravel(), (half[:, None] * w).ravel()
+
+
+#: Pieces of intervals: target, interval, start and end of each, those of a target's interval side by side.
+Pieces = tuple[Indices, Indices, Array, Array]
+
+
+def pieces(ends: Array, breaks: Array, marked: BoolArray) -> Pieces:
+    """Cut marked intervals (target, interval) between ends (interval + 1,) at the target's breaks (target, break)."""
+    points = np.sort(np.concatenate([np.tile(ends, (len(breaks), 1)), breaks], 1), 1)
+    start, stop = points[:, :-1], np.minimum(points[:, 1:], ends[-1])
+    interval = np.clip(np.searchsorted(ends, (start + stop) / 2) - 1, 0, ends.size - 2)
+    target, place = np.nonzero((stop > start) & np.take_along_axis(marked, interval, 1))
+    return target, interval[target, place], start[target, place], stop[target, place]
+
+
+def add_pieces(out: Array, target: Indices, panel: Indices, parts: Array) -> None:
+    """Add parts (piece, ...) to ``out`` (target, panel, ...)."""
+    first = np.flatnonzero(np.diff(target * out.shape[1] + panel, prepend=-1))
+    if first.size:
+        out[target[first], panel[first]] += np.add.reduceat(parts, first)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,26 +224,9 @@ class Grid:
         return Rules(panel, start, stop, *self.ruled(panel, *spans(start, stop)))
 
     @property
-    def close_panels(self) -> int:
-        """Number of panels next to the edge, up to X = CLOSE."""
-        return len(_EDGE) - 1
-
-    @property
     def close(self) -> int:
-        """Number of nodes on them."""
-        return self.close_panels * _PANEL_NODES
-
-    def close_rule(self, count: int) -> tuple[Array, Array]:
-        """Chebyshev points of [1, CLOSE], and weights there of densities next to the edge; (count,), (count, n)."""
-        points = (1 + CLOSE) / 2 + (CLOSE - 1) / 2 * gauss_points(count)
-        u, weights = (
-            values.reshape(self.close_panels, -1)
-            for values in gauss(np.array(self.ends[: self.close_panels + 1]), count + _PANEL_NODES)
-        )
-        theta, shape = self.ruled(np.arange(self.close_panels), u, weights)
-        values = interpolation(count, ((2 * np.cosh(theta) - 1 - CLOSE) / (CLOSE - 1)).ravel())
-        values = values.reshape(self.close_panels, -1, count)
-        return points, np.einsum("pqc,pqn->cpn", values, shape).reshape(count, -1)
+        """Number of nodes on the panels next to the edge, up to X = CLOSE."""
+        return (len(_EDGE) - 1) * _PANEL_NODES
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
         """Mark intervals whose rule errs for a kernel with singularities at X +- i strip; (point, interval)."""

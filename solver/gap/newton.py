@@ -11,7 +11,7 @@ factorised equations serve as long as they shrink the steps.
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Generic, NamedTuple, Self, TypeVar
 
@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
 
 from approximation.arrays import Indices
+from approximation.chebyshev import coefficients
 from approximation.piecewise import Interval
-from solver.arrays import Array, BoolArray, selected
-from solver.gap.refusal import GapError, require_open
+from solver.arrays import Array, BoolArray
+from solver.gap.refusal import GapError
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,6 @@ class Factored:
         return self.solve(right)
 
 
-_TERMS, _NEXT = 4, 1e-3  # of Taylor series, and the reach in log size
 _CLOSING, _CHARGES = 2, 2  # first row of the charges, behind load and smooth edge, and their largest number
 
 
@@ -84,19 +84,14 @@ class Outputs:
         """Outputs at some sizes."""
         if self.interval is None:
             return Reading(self.values, np.stack([np.ones((log_size.size, 1)), np.zeros((log_size.size, 1))]))
-        return Reading(self.values, self.interval.polynomials(log_size, clipped=self.clipped) @ self._series[:2])
-
-    def about(self, log_size: Array) -> "Expansion | None":
-        """Series about few sizes; None for many, which read the table at once faster than a series each."""
-        if self.interval is None or 2 * _TERMS * log_size.size > self.interval.count:
-            return None
-        weights = self.interval.polynomials(log_size, clipped=self.clipped) @ self._series
-        return Expansion(log_size, np.tensordot(np.moveaxis(weights, 1, 0), self.values, 1))
+        return Reading(self.values, self.interval.polynomials(log_size, clipped=self.clipped) @ self._series)
 
     @cached_property
     def _series(self) -> Array:
+        """Matrices from values at the points to the series of the function and of its derivative; (2, n, point)."""
         assert self.interval is not None
-        return self.interval.taylor(_TERMS)
+        series = coefficients(np.eye(self.interval.count))
+        return np.stack([series, self.interval.derived(series)])
 
 
 class SplitOutputs(NamedTuple):
@@ -106,9 +101,9 @@ class SplitOutputs(NamedTuple):
     others: Outputs
 
     @classmethod
-    def of(cls, values: Array, solving: BoolArray, interval: Interval | None, *, clipped: bool = False) -> Self:
-        """Split values (point, row, column) by their rows, (row,)."""
-        parts = (np.ascontiguousarray(values[:, rows]) for rows in (solving, ~solving))
+    def of(cls, values: Array, solving: int, interval: Interval | None, *, clipped: bool = False) -> Self:
+        """Split values (point, row, column) behind the first ``solving`` rows."""
+        parts = (np.ascontiguousarray(part) for part in (values[:, :solving], values[:, solving:]))
         return cls(*(Outputs(part, interval, clipped) for part in parts))
 
 
@@ -116,42 +111,20 @@ class SplitOutputs(NamedTuple):
 class Reading:
     """Outputs at the sizes of some cases."""
 
-    values: Array  # Of all cases (point, row, column), or of each (case, point, row, column)
+    values: Array  # At the points of the interval; (point, row, column)
     weights: Array  # To the values and to their derivatives in log size; (2, case, point)
 
     @property
     def matrices(self) -> Array:
         """Outputs of every column; (case, row, column)."""
-        if self.values.ndim == 3:
-            return np.tensordot(self.weights[0], self.values, 1)
-        return np.asarray(np.einsum("cp,cprn->crn", self.weights[0], self.values))
+        return np.tensordot(self.weights[0], self.values, 1)
 
     def times(self, columns: Array, rows: int | None = None) -> Array:
         """(First) outputs of columns of sizes (case, column, k), and derivatives in log size; (2, case, row, k)."""
-        values, (cases, count, k) = self.values[..., :rows, :], columns.shape
-        if values.ndim == 3:
-            flat = values.reshape(-1, count) @ np.moveaxis(columns, 1, 0).reshape(count, -1)
-            products = np.moveaxis(flat.reshape(*values.shape[:2], cases, k), 2, 0)
-        else:
-            products = (values.reshape(cases, -1, count) @ columns).reshape(*values.shape[:3], k)
-        return np.asarray(np.einsum("tcp,cprk->tcrk", self.weights, products))
-
-
-@dataclass(frozen=True, eq=False)
-class Expansion:
-    """Taylor series of outputs in log size about a size of each case."""
-
-    log_size: Array  # (case,)
-    terms: Array  # (case, term, row, column)
-
-    def holds(self, log_size: Array) -> bool:
-        """Return True if sizes lie so near that the next term is below rounding."""
-        return bool(np.all(np.abs(log_size - self.log_size) < _NEXT))
-
-    def at(self, log_size: Array) -> Reading:
-        """Outputs at some sizes."""
-        k, change = np.arange(self.terms.shape[1]), (log_size - self.log_size)[:, None]
-        return Reading(self.terms, np.stack([change**k, k * change ** np.maximum(k - 1, 0)]))
+        values, (cases, count, k) = self.values[:, :rows], columns.shape
+        flat = values.reshape(-1, count) @ np.moveaxis(columns, 1, 0).reshape(count, -1)
+        products = flat.reshape(*values.shape[:2], cases, k)
+        return np.asarray(np.einsum("tcp,prck->tcrk", self.weights, products))
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +178,6 @@ class GapStates(ABC):
     frame: Frame
     unknowns: Array  # Log size, numbers of the contact, densities over their size by field; (case, unknown)
     held: tuple[bool, ...]  # Whether the potential of each charge is zero, and its charge follows
-    expansion: Expansion | None = field(default=None, kw_only=True)  # Outputs about the sizes, if they are known
 
     @abstractmethod
     def part(self, cases: Indices) -> Self:
@@ -236,12 +208,6 @@ class GapStates(ABC):
         """The same contacts at other unknowns."""
         return replace(self, unknowns=unknowns)
 
-    def _part(self, cases: Indices, *names: str) -> Self:
-        """Some of the cases, of the unknowns and of arrays by name."""
-        part = selected(self, cases, "unknowns", *names)
-        known = self.expansion and selected(self.expansion, cases, "log_size", "terms")
-        return replace(part, expansion=known)
-
     @property
     def first(self) -> int:
         """Number of unknowns before the densities."""
@@ -254,17 +220,7 @@ class GapStates(ABC):
 
     @cached_property
     def _reading(self) -> Reading:
-        log_size = self.unknowns[:, 0]
-        if self.expansion and self.expansion.holds(log_size):
-            return self.expansion.at(log_size)
-        return self.frame.outputs.at(log_size)
-
-    @property
-    def expanded(self) -> Self:
-        """The same with the series of the outputs about their sizes."""
-        if self.expansion and self.expansion.holds(self.unknowns[:, 0]):
-            return self
-        return replace(self, expansion=self.frame.outputs.about(self.unknowns[:, 0]))
+        return self.frame.outputs.at(self.unknowns[:, 0])
 
     @property
     def columns(self) -> Array:
@@ -415,7 +371,6 @@ _REOPENED = 3  # times at most that a closed gap is opened
 _SLOW, _SLOW_HELD = 0.02, 0.1  # of a step that the next one is below, or its equations are those of another state
 _ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
 _NEAR = 0.7  # distance in logarithms of the parameters within which a solved case is a start
-_TANGENT_CLOSE, _REFINEMENTS = 1e-13, 12
 _LARGEST, _LARGEST_CHORDS = 4e7, 1e8  # bytes of matrices, and of factorised equations, at a time
 _APART = 8  # cases of an order to the first ones, from which the others start
 
@@ -440,16 +395,18 @@ class Settled(Generic[_State]):
 
     def require(self) -> Self:
         """Refuse contacts that are not found, and gaps that close."""
+        states, frame = self.states, self.states.frame
         for case in np.flatnonzero(~self.valid).tolist():
             if not self.converged[case]:
                 raise GapError(
-                    f"surroundings: no contact with air beside it is found for this {self.states.frame.load} and these "
-                    "charges"
+                    f"surroundings: no contact with air beside it is found for this {frame.load} and these charges"
                 )
-            states, frame = self.states, self.states.frame
-            names = [name for name, held in zip(("voltage", "magnetic potential"), states.held, strict=False) if held]
-            require_open(
-                states.gap[case], states.terms.reference[case], frame.places, frame.coordinate, " and ".join(names)
+            names = [name for name, zero in zip(("voltage", "magnetic potential"), states.held, strict=False) if zero]
+            held = f", where its {' and '.join(names)} is 0" if names else ""
+            place = frame.places[int(np.argmin(states.gap[case] / states.terms.reference[case]))]
+            raise GapError(
+                f"surroundings: the punch touches the surface beside the contact, at {frame.coordinate} = {place:.3g}"
+                f"{held}: the gap is negative there; must be insulated"
             )
         return self
 
@@ -460,27 +417,9 @@ class Settled(Generic[_State]):
         right = np.zeros((states.unknowns.shape[1], count))
         right[0, 0] = 1.0
         right[_CLOSING + np.arange(count - 1), 1 + np.arange(count - 1)] = 1.0
-        chords: list[Factored | None] = list(self.chords)
-        active, part, last = np.arange(len(chords)), states, np.ones(len(chords))
-        result = np.stack([chord.causes[:, :count] for chord in self.chords])
-        for _ in range(_REFINEMENTS):
-            change = _solved(_of(chords, active), right - part.derivative(result[active]))
-            size = _largest(change, part.terms.sizes) / _largest(result[active], part.terms.sizes)
-            slow = np.flatnonzero(~(size < _SLOW * last) & ~(size < _STALLED))
-            if slow.size:  # equations of another state
-                _renew(chords, active, part, slow)
-                result[active[slow]] = np.stack([chord.causes[:, :count] for chord in _of(chords, active[slow])])
-                change[slow] = 0.0
-            result[active] += change
-            done = (size**2 < _TANGENT_CLOSE * last) | ((size > last / 2) & (size < _STALLED))
-            done[slow] = False
-            last = size
-            last[slow] = 1.0
-            running = np.flatnonzero(~done)
-            if not running.size:
-                break
-            if running.size < active.size:
-                active, part, last = active[running], part.part(running), last[running]
+        chords = states.chords()
+        result = np.stack([chord.causes[:, :count] for chord in chords])
+        result += _solved(chords, right - states.derivative(result))  # pivots of rows of one size may be poor ones
         return result * states.by_load[0][:, None]
 
     @cached_property
@@ -495,11 +434,6 @@ class Settled(Generic[_State]):
         """d response / d charges at a fixed size, whose load and gap follow; (case, 1 + charge, charge)."""
         by_size = self._changes[:, :1]
         return np.asarray(self.tangents[..., 1:] - self.tangents[..., :1] * (by_size[..., 1:] / by_size[..., :1]))
-
-
-def _largest(changes: Array, sizes: Array) -> Array:
-    """Largest change of each case over the sizes of the unknowns; changes (case, unknown, k)."""
-    return np.asarray(np.max(np.abs(changes) / sizes[..., None], axis=(1, 2)))
 
 
 def at_once(states: GapStates) -> int:
@@ -532,7 +466,7 @@ def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _S
     below, or the equations are made anew.
     """
     count, unknowns, chords = len(starts), np.array(states.unknowns), list(starts)
-    active, part, is_near = np.arange(count), states, False
+    active, part = np.arange(count), states
     converged, last = np.zeros(count, dtype=bool), np.full(count, np.inf)
     for _ in range(_NEWTON_STEPS):
         now, before = part.moved(unknowns[active]), last[active]
@@ -558,9 +492,6 @@ def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _S
             break
         if running.size < active.size:
             active, part = active[running], part.part(running)
-            change = change[running]
-        if not is_near and np.max(np.abs(change[:, 0])) < _NEXT / 4:
-            part, is_near = part.moved(unknowns[active]).expanded, True
     final = part if active.size == count else states
     return Settled(final.moved(unknowns), _of(chords, np.arange(count)), converged)
 
@@ -579,8 +510,7 @@ def _renew(chords: list[Factored | None], cases: Indices, states: GapStates, pla
 
 def continued(states: _State, near: Settled[_State]) -> Settled[_State]:
     """Solutions that start from solved contacts, or from those without air where that leads to none."""
-    start = replace(states, unknowns=near.states.unknowns, expansion=near.states.expansion)
-    return _with(iterated(start, near.chords, _SLOW_HELD), states)
+    return _with(iterated(states.moved(near.states.unknowns), near.chords, _SLOW_HELD), states)
 
 
 def _with(result: Settled[_State], states: _State) -> Settled[_State]:

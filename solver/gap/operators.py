@@ -22,16 +22,17 @@ from solver.line.basis import Basis
 from solver.line.contact import FilmContact
 from solver.line.kernel import Kernel, kernel
 from solver.line.outputs import Assembly, mixing
-from solver.line.system import SAMPLES, System
+from solver.line.system import System
 from solver.line.table import Table, batches
 from solver.stack.reflection import low
 
 _REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
 _SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
 _NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
-#: Rows: load, balance, displacements, edge stresses and pressures over their weight; then those beside the contact.
-LOAD, BALANCE, DISPLACEMENT, EDGE, PRESSURE = 0, 1, slice(2, 5), slice(5, 7), slice(7, 7 + SAMPLES.size)
-FIRST = PRESSURE.stop
+#: Rows: load, balance, displacements, those beside the contact; then edge stresses and pressures over their weight.
+LOAD, BALANCE, DISPLACEMENT = 0, 1, slice(2, 5)
+SOLVING: int = DISPLACEMENT.stop
+_EDGE = slice(SOLVING, SOLVING + 2)  # before those beside the contact are put in front of them
 #: Angles of the places X = cos(angle) within the contact at which densities are output: panels, graded to both edges.
 _ENDS = (0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
 WITHIN = 8  # of them a panel
@@ -62,7 +63,12 @@ class Operators:
     @property
     def rows(self) -> int:
         """Number of outputs."""
-        return FIRST + self.density_nodes * (1 + len(self.system.fields)) + ANGLES.size * len(self.system.fields)
+        return self.solving + len(_FROM) - SOLVING + ANGLES.size * len(self.system.fields)
+
+    @property
+    def solving(self) -> int:
+        """Number of outputs that the equations need, the first ones."""
+        return SOLVING + self.density_nodes * (1 + len(self.system.fields))
 
     @cached_property
     def _wide(self) -> Kernel | None:
@@ -81,9 +87,9 @@ class Operators:
         return result
 
     def folded(self, values: Array) -> Array:
-        """Fold columns (..., both sides) to those of the unknown densities."""
-        count = self.grid.count
-        return values[..., :count] + values[..., count:] if self.even else values
+        """Fold columns (..., fields and both sides) to those of the unknown densities."""
+        sides = values.reshape(*values.shape[:-1], -1, 2, self.grid.count)
+        return sides.sum(-2).reshape(*values.shape[:-1], -1) if self.even else values
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,31 +123,35 @@ class _Assembled:
     @property
     def outputs(self) -> Array:
         """(half, row, column)."""
-        operators, system, grid = self.operators, self.operators.system, self.operators.grid
-        starts, count = system.starts(self.basis), 2 * grid.count
+        operators, system, assembly, basis = self.operators, self.operators.system, self._assembly, self.basis
         direct = [self._direct(number) for number in range(self.half_lengths.size)]
-        gradients = np.stack([part[0] for part in direct])
-        for place, f in enumerate(self._fields):
-            part = slice(place * count, (place + 1) * count)
-            block = slice(starts[f], starts[f] + self.basis.terms + 1)
-            gradients[..., part] += self._assembly.at_nodes[..., block] @ self._induced
-        sources = np.concatenate(
-            [operators.folded(gradients[..., p * count : (p + 1) * count]) for p in range(len(self._fields))], -1
-        )
-        unknowns = system.solve(self.basis, self._assembly.at_nodes, sources=sources)
-        functionals = outputs.functionals(self._assembly)[:, _FROM]
-        contact = functionals @ unknowns
-        exterior = self._exterior(unknowns)
-        first = system.causes
-        for number, (_, displacement, edge, outside) in enumerate(direct):
-            for place, f in enumerate(self._fields):
-                columns = slice(first + place * operators.density_nodes, first + (place + 1) * operators.density_nodes)
-                part = slice(place * count, (place + 1) * count)
-                contact[number, DISPLACEMENT, columns] += operators.folded(self._mean(number, f, displacement[:, part]))
-                contact[number, EDGE, columns] += operators.folded(self._edge(number, f, edge[:, part]))
-                exterior[number, :, :, columns] += operators.folded(self._outside(number, f, outside[..., part]))
+        gradients, displacement, edge, outside = (np.stack(parts) for parts in zip(*direct, strict=True))
+        c, half, scale = system.coefficients, system.sliding.halfplane, system.kernel.stack.scale
+        grid, count, fields = operators.grid, operators.grid.count, [1 + f for f in self._fields]
+        green = np.block([[grid.green[0], grid.green[1]], [grid.green[1], grid.green[0]]]) / np.pi
+        at_edges = np.zeros((2, 2 * count))
+        at_edges[0, :count] = at_edges[1, count:] = grid.edge
+        stiffness = float(half.in_plane_stiffness) * scale[0] ** 2
+        for place, (f, start) in enumerate(system.starts(basis).items()):
+            part, block = slice(2 * place * count, 2 * (place + 1) * count), slice(start, start + basis.terms + 1)
+            gradients[..., part] += assembly.at_nodes[..., block] @ self._induced
+            of_contact = assembly.displacements[..., block] @ self._induced
+            displacement[..., part] += of_contact - c.compliance[:, 1 + f, None] / np.pi * np.tile(grid.rises, 2)
+            strain = edge[..., part] + assembly.gradients[:, 3, :, block] @ self._induced - c.coupling[1 + f] * at_edges
+            share = half.in_plane_share[1 + f] * scale[1] / scale[2 + f]
+            edge[..., part] = stiffness * strain + share * at_edges
+            outside[..., part] += self._from_contact[..., block] @ self._induced
+            outside[:, fields, :, part] += c.compliance[fields, 1 + f][:, None, None] * green
+            outside[:, 0, :, part] += (c.screening[list(self._fields)] @ c.compliance[fields, 1 + f]) * green
+        unknowns = system.solve(basis, assembly.at_nodes, sources=operators.folded(gradients))
+        contact = outputs.functionals(assembly)[:, _FROM] @ unknowns
+        exterior, charges = self._exterior(unknowns), slice(system.causes, None)
+        contact[:, DISPLACEMENT, charges] += operators.folded(displacement)
+        contact[:, _EDGE, charges] += operators.folded(edge)
+        exterior[..., charges] += operators.folded(outside[:, [0, *fields], : operators.density_nodes])
         shape = (self.half_lengths.size, -1, contact.shape[-1])
-        return np.concatenate([contact, exterior.reshape(shape), self._within(unknowns).reshape(shape)], 1)
+        parts = (part.reshape(shape) for part in (exterior, contact[:, SOLVING:], self._within(unknowns)))
+        return np.concatenate([contact[:, :SOLVING], *parts], 1)
 
     def _within(self, unknowns: Array) -> Array:
         """D_y and B_y of the conducted fields at ``ANGLES``; (half, field, angle, column)."""
@@ -219,26 +229,6 @@ class _Assembled:
         near = np.arange(self.operators.grid.near)
         return np.concatenate([near, self.operators.grid.close + near])
 
-    def _mean(self, number: int, f: int, smooth: Array) -> Array:
-        """Displacements of the contact by densities of a field; (3, 2 n)."""
-        c = self.operators.system.coefficients
-        start = self.operators.system.starts(self.basis)[f]
-        rises = np.tile(self.operators.grid.rises, 2)
-        of_contact = self._assembly.displacements[number][:, start : start + self.basis.terms + 1] @ self._induced
-        return np.asarray(smooth + of_contact - c.compliance[:, 1 + f, None] / np.pi * rises)
-
-    def _edge(self, number: int, f: int, smooth: Array) -> Array:
-        """sigma_xx just outside the edges by densities of a field; (2, 2 n)."""
-        system = self.operators.system
-        c, half, scale = system.coefficients, system.sliding.halfplane, system.kernel.stack.scale
-        start, count = system.starts(self.basis)[f], self.operators.grid.count
-        strain = smooth + self._assembly.gradients[number][3][:, start : start + self.basis.terms + 1] @ self._induced
-        at_edges = np.zeros((2, 2 * count))
-        at_edges[0, :count] = at_edges[1, count:] = self.operators.grid.edge
-        strain = strain - c.coupling[1 + f] * at_edges
-        share = half.in_plane_share[1 + f] * scale[1] / scale[2 + f]
-        return np.asarray(float(half.in_plane_stiffness) * scale[0] ** 2 * strain + share * at_edges)
-
     # -- beside the contact --------------------------------------------------------------------------------------------
     def _exterior(self, unknowns: Array) -> Array:
         """u_y and the potentials of the fields, less those at the edge, per column; (half, 1 + field, n, column)."""
@@ -304,27 +294,11 @@ class _Assembled:
         sides = (differences[..., : grid.count, :], right), (differences[..., grid.count :, :], left)
         return np.concatenate([grid.from_edge(*side) for side in sides], -2)
 
-    def _outside(self, number: int, f: int, smooth: Array) -> Array:
-        """u_y and the potentials beside the contact by densities of a field; (1 + field, n, 2 n)."""
-        system, operators = self.operators.system, self.operators
-        c, start = system.coefficients, system.starts(self.basis)[f]
-        same, across = operators.grid.green
-        green = np.block([[same, across], [across, same]]) / np.pi
-        fields = np.array(self._fields, dtype=int)
-        potentials = c.compliance[1 + fields, 1 + f][:, None, None] * green
-        induced = self._from_contact[number][..., start : start + self.basis.terms + 1] @ self._induced
-        whole = smooth + induced
-        raised = np.einsum("f,fnc->nc", c.screening[fields], potentials) + whole[0]
-        return np.concatenate([raised[None], potentials + whole[1 + fields]])[:, : operators.density_nodes]
-
 
 def _flat(values: Array) -> Array:
     """(target, field, channel, n) as (channel, target, field n)."""
     return np.moveaxis(values, 2, 0).reshape(values.shape[2], values.shape[0], -1)
 
-
-#: Rows before those beside the contact: load, balance, displacements.
-SOLVING: int = DISPLACEMENT.stop
 
 _LARGEST = 0.5e9  # bytes of a table, of which some copies exist while it is made; usual ones take 0.01 to 0.2 GB
 
@@ -362,9 +336,7 @@ class AirTable:
                 f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
             )
         values, interval = operators.matrices(self.table.half_lengths), self.table.interval
-        solving = np.zeros(operators.rows, dtype=bool)
-        solving[:SOLVING] = solving[FIRST : operators.rows - ANGLES.size * len(operators.system.fields)] = True
-        return SplitOutputs.of(values, solving, interval, clipped=self.clipped)
+        return SplitOutputs.of(values, operators.solving, interval, clipped=self.clipped)
 
     @cached_property
     def powers(self) -> Array:

@@ -9,25 +9,25 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, joined
 from solver.cache import cached
-from solver.gap.airpoint import PointSolution, PointStates
+from solver.gap.airpoint import PointStates
 from solver.gap.grid import peak_of_panels
 from solver.gap.newton import Frame, Settled, continued, settled, together
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.refusal import lacking_at_point, require
-from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, RingWindows
+from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, crowded, ends_of, film_table
 from solver.gap.rings import reach_of, rings
 from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
 from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.pressing import ContactError
-from solver.line.windows import FIRST, LAST
+from solver.line.windows import FIRST, LAST, number_of
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
-from solver.point.body import Film, HalfSpace
+from solver.point.body import Film
 from solver.point.contact import PointContact, Pressed
 from solver.point.friction import Rim, require_thin
 from solver.point.inside import Inside
 from solver.point.kernel import shear_kernel
 from solver.point.peaks import peaks_of
-from solver.point.profile import SAMPLES, Shape, climbed, finite
+from solver.point.profile import SAMPLES, Shape, finite, highest_pressure
 from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
 
@@ -97,18 +97,16 @@ class AirPoints:
         return np.array([reach_of(*pair) for pair in zip(radii.tolist(), self.end.tolist(), strict=True)])
 
     @cached_property
-    def _windows(self) -> RingWindows | None:
-        body, contacts = self.pressed.body, (self.pressed.charged, self.pressed.uncharged, self.pressed.grounded)
-        if not isinstance(body, Film):
-            return None
-        return RingWindows.of(body.kind, np.concatenate([contact.radius / body.thickness for contact in contacts]))
+    def _crowded(self) -> set[int]:
+        contacts = self.pressed.charged, self.pressed.uncharged, self.pressed.grounded
+        return crowded(np.concatenate([contact.radius / self.length for contact in contacts]))
 
     def _table(self, place: int, ratio: float, *, wide: bool = False) -> RingTable:
         """Operators of a case near a radius, or over a wider range."""
         body, reach = self.pressed.body, float(self._reaches[place])
-        if self._windows is not None:
-            return self._windows.table(ratio, reach, wide=wide)
-        assert isinstance(body, HalfSpace)
+        if isinstance(body, Film):
+            wide = wide or int(number_of(np.array([ratio]))[0]) in self._crowded
+            return film_table(body.kind, reach, ends_of(ratio, wide=wide))
         fields = tuple(np.flatnonzero(self._conducts[place]).tolist())
         return _on_half_space(tuple(body.compliance[place].ravel().tolist()), fields, body.shape, reach)
 
@@ -124,7 +122,7 @@ class AirPoints:
             prescribed = charges[places][:, fields] * of_fields / length[:, None] ** 2
         rows = table.exact.rows
         outputs, distance = table.outputs.solving, table.exact.rings.grid.distance
-        frame = Frame(outputs, rows.raised, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
+        frame = Frame(outputs, rows.edges.stop, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
         return PointStates(
             frame, unknowns, (charges is None,) * len(fields), table,
             self.pressed.coefficient[places] / units[:, 0] * length ** (e - 1),
@@ -234,20 +232,20 @@ class AirPoints:
                     )
         return out
 
-    def slid(self, place: int, solution: PointSolution) -> SlidingPoint | None:
+    def slid(self, place: int, solution: SolvedPoint) -> SlidingPoint | None:
         """First order of a solution in friction; None if the cases have no friction."""
         friction, body = self.pressed.friction, self.pressed.body
         if friction is None:
             return None
         layers = shear_kernel(body.kind.film.stack()) if isinstance(body, Film) else None
         coefficient = float(friction.coefficient[place])
-        return SlidingPoint(SolvedPoint(solution), coefficient, friction.coupling[place], layers)
+        return SlidingPoint(solution, coefficient, friction.coupling[place], layers)
 
 
-def _solutions(places: Indices, states: PointStates) -> Iterator[tuple[int, PointSolution]]:
+def _solutions(places: Indices, states: PointStates) -> Iterator[tuple[int, SolvedPoint]]:
     """Yield the place of every case with its solution."""
     for case, place in enumerate(places.tolist()):
-        yield place, states.solution(case)
+        yield place, SolvedPoint.of(states, case)
 
 
 def _parameters(states: PointStates) -> Array:
@@ -261,15 +259,9 @@ def _peak_pressure(inside: Array) -> Array:
     """Largest pressures over C a^(e-1), from the rows below the contact; (case,)."""
     samples = inside[:, : SAMPLES.size]
     series = _odd_series() @ samples.T
-    best = np.argmax(samples, 1)
-    result = np.take_along_axis(samples, best[:, None], 1)[:, 0]
-    hills = np.flatnonzero(best < SAMPLES.size - 1)
-    if hills.size:
-        result[hills] = climbed(
-            lambda x, case: np.asarray(np.polynomial.chebyshev.chebval(x, series[:, hills[case]], tensor=False)),
-            best[hills],
-        )
-    return result
+    return highest_pressure(
+        samples, lambda x, case: np.asarray(np.polynomial.chebyshev.chebval(x, series[:, case], tensor=False))
+    )
 
 
 @cache
@@ -349,4 +341,4 @@ def _solved_cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator
             radius = solution.radius * float(points.length[place])
             length = float(points.length[place]) if isinstance(pressed.body, Film) else radius
             slid = points.slid(place, solution)
-            yield place, _FieldCase(SolvedPoint(solution), slid, pressed.units[place], radius, length)
+            yield place, _FieldCase(solution, slid, pressed.units[place], radius, length)

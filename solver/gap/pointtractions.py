@@ -12,7 +12,7 @@ import numpy as np
 
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
-from solver.gap.airpoint import PointSolution
+from solver.gap.airpoint import PointStates
 from solver.gap.charges import Charges, Spectrum, from_smaller
 from solver.gap.ringoperators import RingOperators
 from solver.point import hankel
@@ -94,19 +94,36 @@ def _continued(part: Array, within: BoolArray, exterior: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SolvedPoint:
-    """Surface tractions of a contact in air, solved again at its exact radius; units of the body."""
+    """One solved contact; tractions over C a^(e-1), displacements over C a^e, in the units of the body."""
 
-    state: PointSolution
+    operators: RingOperators
+    radius: float  # Over the length of the body
+    unit: float  # C a^(e-1)
+    columns: Array  # Sizes of the columns of the operators; (column,)
+    over_size: Array  # Densities at the nodes over their size; (field, n)
+    gap: Array  # (n,)
+    thinned: Array  # Factor by which the finite punch weakens the gap's field; (n,)
+    conductance: Array  # Density over its size per potential, times the gap over the profile's; (field, n)
+    media: Array  # eps0 and mu0 of the conducted fields; (field,)
+
+    @classmethod
+    def of(cls, states: PointStates, case: int) -> Self:
+        """One of solved contacts."""
+        return cls(
+            states.operators, float(states.radius[case]), float(states.size[case] / states.radius[case]),
+            states.columns[case], states.over_size[case], states.gap[case], states.thinned[case],
+            states.terms.conductance[case], states.media[case],
+        )  # fmt: skip
 
     @property
-    def operators(self) -> RingOperators:
-        """Operators at any radius."""
-        return self.state.operators
+    def exterior_densities(self) -> Array:
+        """D_y and B_y at the nodes beside the contact; (field, n)."""
+        return self.over_size * self.operators.rings.size
 
     @cached_property
     def _series(self) -> Array:
-        """Coefficients of all but the profile's closed part; (channel, n)."""
-        return np.asarray(self.operators.series(self.state.radius) @ self.state.columns)
+        """Coefficients of all but the profile's closed part, at the exact radius; (channel, n)."""
+        return np.asarray(self.operators.series(self.radius) @ self.columns)
 
     @cached_property
     def density(self) -> Density:
@@ -121,9 +138,9 @@ class SolvedPoint:
 
         turned: (field, n), densities of cos(angle) over C a^(e-1) and their size; None: none.
         """
-        rings, unit = self.operators.rings, self.state.unit
+        rings, unit = self.operators.rings, self.unit
         grid, density = rings.grid, self.density.times(np.full(3, unit))
-        S = self.state.over_size @ rings.gathered.T
+        S = self.over_size @ rings.gathered.T
         odd = np.zeros_like(S) if turned is None else turned @ rings.turned.gathered.T
         sides = np.zeros((2, 2, grid.count))
         sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (unit / np.pi)
@@ -137,9 +154,9 @@ class SolvedPoint:
         result = np.zeros((3, r.size))
         x = np.sqrt((1 - inner) * (1 + inner))
         result[:, within] = self.bounded(inner, self.operators.rings.poisson(x)) + self.left[:, None] / x
-        for field_, over_size in zip(self.operators.rows.fields, self.state.over_size, strict=True):
+        for field_, over_size in zip(self.operators.rows.fields, self.over_size, strict=True):
             result[1 + field_, ~within] = self.operators.rings.read(distance[~within]) @ over_size
-        return result * self.state.unit
+        return result * self.unit
 
     def bounded(self, r: Array, drawn: Array) -> Array:
         """Tractions below the contact over C a^(e-1), without their singular part at the edge; (3, place).
@@ -149,7 +166,7 @@ class SolvedPoint:
         x = np.sqrt((1 - r) * (1 + r))
         result = self._series @ added_forms(x, self._series.shape[1]).T
         result -= 2 / np.pi * self.operators.inverse[:, :1] * halfspace_form(self.operators.shape, x, r)
-        result[1:] += self.state.over_size @ drawn.T
+        result[1:] += self.over_size @ drawn.T
         return self._of_channels(result)
 
     @cached_property
@@ -157,7 +174,7 @@ class SolvedPoint:
         """Strengths at the edge, over C a^(e-1): none but of the emptiest gaps; (3,)."""
         result = self._series @ (-1.0) ** np.arange(self._series.shape[1])
         result[0] = 0.0
-        result[1:] -= 2 / np.pi * self.state.over_size @ self.operators.rings.at_edge
+        result[1:] -= 2 / np.pi * self.over_size @ self.operators.rings.at_edge
         return self._of_channels(result)
 
     def _of_channels(self, values: Array) -> Array:

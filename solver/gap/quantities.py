@@ -15,6 +15,7 @@ from solver.gap.operators import WITHIN, AirTable, farthest, grid_of
 from solver.gap.refusal import lacking, require
 from solver.halfplane.peakpressure import largest
 from solver.line.outputs import pressure_series
+from solver.line.quantities import edges
 from solver.line.similar import Films
 from solver.line.system import SAMPLES
 from solver.line.windows import Kind, window
@@ -107,17 +108,14 @@ def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
     result, h, scale = contacts.solved, films.thickness, contacts.contact.scale
     states, table = result.states, contacts.table
     others = table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
-    half, centre, exponent = h * states.half, states.centre, contacts.contact.exponent
-    edges, pressures, within = np.split(others, [2, 2 + SAMPLES.size], 1)
-    out = {
-        "contact_trailing": half * (1 + centre),
-        "contact_leading": half * (1 - centre),
-        "contact_offset": half * centre,
+    half, exponent = h * states.half, contacts.contact.exponent
+    stresses, pressures, within = np.split(others, [2, 2 + SAMPLES.size], 1)
+    out = edges(half, states.centre) | {
         "pressure_exponent": np.full_like(half, exponent),
         "depth": h * states.response.values[:, 0] * scale[1],
         "peak_pressure": largest(pressure_series(pressures), exponent) / scale[1],
-        "trailing_tension": edges[:, 0] / scale[1],
-        "leading_compression": edges[:, 1] / scale[1],
+        "trailing_tension": stresses[:, 0] / scale[1],
+        "leading_compression": stresses[:, 1] / scale[1],
     }
     tangents = result.tangents * scale[1:, None] * scale[1:]
     for field in states.frame.fields:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.arrays import Array, BoolArray
+from solver.arrays import BoolArray
 from solver.halfplane.pressing import ContactError
 from solver.line.windows import Kind
 from solver.material.constants import MaterialError
@@ -53,13 +53,3 @@ def require(why: str | None) -> None:
     """Refuse a contact that cannot have air beside it, for the reason from `lacking` or `lacking_at_point`."""
     if why is not None:
         raise SurroundingsError(f"surroundings: 'air' is not allowed: {why}")
-
-
-def require_open(gap: Array, alone: Array, places: Array, coordinate: str, held: str = "") -> None:
-    """Refuse a gap that closes."""
-    if not np.all(gap > 0):
-        raise GapError(
-            f"surroundings: the punch touches the surface beside the contact, at {coordinate} = "
-            f"{places[int(np.argmin(gap / alone))]:.3g}{f', where its {held} is 0' if held else ''}: "
-            "the gap is negative there; must be insulated"
-        )

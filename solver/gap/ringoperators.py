@@ -17,11 +17,12 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from approximation.arrays import Indices
 from approximation.chebyshev import legendre_rule
 from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
 from solver.cache import cached
-from solver.gap.grid import gauss
+from solver.gap.grid import add_pieces, gauss, pieces
 from solver.gap.newton import SplitOutputs
 from solver.gap.rings import Rings, rings
 from solver.line.kernel import CHANNEL
@@ -95,7 +96,11 @@ X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Layout of the operator matrix: outputs by row, causes and charge densities by column."""
+    """Layout of the operator matrix: outputs by row, causes and charge densities by column.
+
+    Behind the loads and the edge's strengths come u less that at the edge beside the contact, by channel and node, then
+    pressures at ``SAMPLES`` but for an edge's, and each field's densities at ``X_WITHIN``.
+    """
 
     fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
     nodes: int  # Number of nodes beside the contact
@@ -129,27 +134,6 @@ class Rows:
         """S of the channels just within the edge."""
         return slice(len(self.channels), 2 * len(self.channels))
 
-    @cached_property
-    def raised(self) -> int:
-        """First of those beside the contact: (channel, node) of u less that at the edge."""
-        return 2 * len(self.channels)
-
-    @cached_property
-    def pressure(self) -> slice:
-        """Pressures at ``SAMPLES``, but for an edge's."""
-        first = self.raised + len(self.channels) * self.nodes
-        return slice(first, first + SAMPLES.size)
-
-    def within(self, place: int) -> slice:
-        """Densities of a field at ``X_WITHIN``."""
-        first = self.pressure.stop + place * X_WITHIN.size
-        return slice(first, first + X_WITHIN.size)
-
-    @cached_property
-    def count(self) -> int:
-        """Number of rows."""
-        return int(self.pressure.stop) + len(self.fields) * X_WITHIN.size
-
 
 @dataclass(frozen=True, eq=False)
 class RingOperators:
@@ -175,26 +159,24 @@ class RingOperators:
         closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, added = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - added[:, count])
-        result = np.empty((rows.count, rows.columns))
         # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
         of_power = inverse[:, 0] * self.shape.rise
         closed[..., profile] = of_power[:, None]
         S += closed
-        result[rows.loads] = 4 * np.einsum("n,inc->ic", below.weights, S)
-        result[rows.loads, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
-        result[rows.edges] = edge
-        coefficients = below.series @ S
-        for place in range(len(self.fields)):
-            result[1 + place, rows.densities(place)] += 4 * self.rings.totals
+        loads = 4 * np.einsum("n,inc->ic", below.weights, S)
+        loads[:, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
         raised = self.rings.raised @ self.chi_beside(added[:, count:], edge)
-        result[rows.raised : rows.pressure.start] = raised.reshape(-1, rows.columns)
-        result[rows.pressure] = -added_forms(SAMPLES, count) @ coefficients[0]
-        result[rows.pressure, profile] += inverse[0, 0] * self._form(SAMPLES)
+        coefficients = below.series @ S
+        pressure = -added_forms(SAMPLES, count) @ coefficients[0]
+        pressure[:, profile] += inverse[0, 0] * self._form(SAMPLES)
+        parts = [loads, edge, raised.reshape(-1, rows.columns), pressure]
         for place in range(len(self.fields)):
-            result[rows.within(place)] = added_forms(X_WITHIN, count) @ coefficients[1 + place]
-            result[rows.within(place), rows.densities(place)] += _drawn(self.rings)
-            result[rows.within(place), profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
-        return result
+            loads[1 + place, rows.densities(place)] += 4 * self.rings.totals
+            within = added_forms(X_WITHIN, count) @ coefficients[1 + place]
+            within[:, rows.densities(place)] += _drawn(self.rings)
+            within[:, profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
+            parts.append(within)
+        return np.concatenate(parts)
 
     @cached_property
     def profile(self) -> Array:
@@ -315,7 +297,10 @@ class RingOperators:
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
         result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
-        self._add_pieces(result, radius, targets, breaks, broken)
+        row, panel, start, stop = pieces(self.rings.ends, np.arccosh(breaks), broken)
+        s, share = self.rings.ruled(panel, start, stop)
+        near = self._added.at(radius * np.abs(targets[row, None] - s))
+        add_pieces(result, row, panel, np.swapaxes(share, 1, 2) @ near)
         size = self.rings.size.reshape(grid.panels, -1, 1)
         kernels = self._paired((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
         return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
@@ -333,20 +318,6 @@ class RingOperators:
         used = (np.abs(offsets) < np.maximum(targets, 1.0)[:, None]) & (places > 1) & (places < far)
         return np.sort(np.where(used, places, 1.0), 1)
 
-    def _add_pieces(self, integrals: Array, radius: float, targets: Array, breaks: Array, broken: BoolArray) -> None:
-        """Add panels that break, piece by piece."""
-        grid = self.rings.grid
-        ends = self.rings.ends
-        all_ends = np.sort(np.concatenate([np.tile(ends, (targets.size, 1)), np.arccosh(breaks)], 1), 1)
-        start, stop = all_ends[:, :-1], all_ends[:, 1:]
-        panel = np.clip(np.searchsorted(ends, (start + stop) / 2) - 1, 0, grid.panels - 1)
-        row, place = np.nonzero((stop > start) & np.take_along_axis(broken, panel, 1))
-        panels = panel[row, place]
-        s, share = self.rings.ruled(panels, start[row, place], stop[row, place])
-        pieces = np.swapaxes(share, 1, 2) @ self._added.at(radius * np.abs(targets[row, None] - s))
-        first = np.flatnonzero(np.diff(row * grid.panels + panels, prepend=-1))
-        integrals[row[first], panels[first]] += np.add.reduceat(pieces, first)
-
 
 def summed(kernels: Array, S: Array) -> Array:
     """Kernels (channel, channel, target, node) of S (channel, node, column); (channel, target, column)."""
@@ -359,7 +330,7 @@ def _drawn(rings: Rings) -> Array:
     return rings.poisson(X_WITHIN)
 
 
-NODES, FEW = 18, 8  # radii of half a decade and of a twentieth: interpolation errors are 1e-12, and 1e-9 in derivatives
+_NODES, _FEW = 18, 8  # radii of half a decade and of a part: errors are 1e-12, and 1e-9 in derivatives
 
 
 @dataclass(frozen=True, eq=False)
@@ -371,10 +342,11 @@ class RingTable:
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Rows up to the pressures, and those below the contact, from the pressures on."""
+        """Outputs; others: those from the pressures on."""
         log_radii = np.zeros(1) if self.interval is None else self.interval.points
         result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
-        return SplitOutputs.of(result, np.arange(self.exact.rows.count) < self.exact.rows.pressure.start, self.interval)
+        rows = self.exact.rows
+        return SplitOutputs.of(result, rows.edges.stop + len(rows.channels) * rows.nodes, self.interval)
 
     def holds(self, log_radii: Array) -> BoolArray:
         """Return True for radii between the ends."""
@@ -388,13 +360,9 @@ _SINGLE_PARTS = 2  # parts of half a decade that are made by themselves: the nex
 
 
 @cached
-def _half_decade(kind: PointKind, reach: float, number: int) -> RingTable:
-    return RingTable(_operators(kind, reach), interval(number, NODES))
-
-
-@cached
-def _part(kind: PointKind, reach: float, place: int) -> RingTable:
-    return RingTable(_operators(kind, reach), Interval(place * _PART - _BEYOND, (place + 1) * _PART + _BEYOND, FEW))
+def film_table(kind: PointKind, reach: float, ends: Interval) -> RingTable:
+    """Operators on a film between two radii, with rings up to ``reach`` contact radii."""
+    return RingTable(_operators(kind, reach), ends)
 
 
 @cached
@@ -404,32 +372,22 @@ def _operators(kind: PointKind, reach: float) -> RingOperators:
     return RingOperators(rings(reach), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
 
 
-def _place(ratio: float) -> int:
-    return int(np.floor(np.log(ratio) / _PART))
+def part_of(ratios: Array) -> Indices:
+    """Part of log a that holds radii over the thickness."""
+    return np.asarray(np.floor(np.log(ratios) / _PART), dtype=np.intp)
 
 
-def _number(ratio: float) -> int:
-    return int(number_of(np.array([ratio]))[0])
+def crowded(ratios: Array) -> set[int]:
+    """Half decades in which the contacts of one call have radii over the thickness in many parts."""
+    pairs = np.unique(np.stack([number_of(ratios), part_of(ratios)]), axis=1)
+    numbers, parts = np.unique(pairs[0], return_counts=True)
+    return set(numbers[parts > _SINGLE_PARTS].tolist())
 
 
-@dataclass(frozen=True, eq=False)
-class RingWindows:
-    """Tables of one kind of film."""
-
-    kind: PointKind  # The film and the punch
-    many: frozenset[int]  # Half decades in which the call has many radii
-
-    @classmethod
-    def of(cls, kind: PointKind, ratios: Array) -> Self:
-        """Choose tables for the contact radii over the thickness of one call."""
-        places_of: dict[int, set[int]] = {}
-        for ratio in np.unique(ratios).tolist():
-            places_of.setdefault(_number(ratio), set()).add(_place(ratio))
-        return cls(kind, frozenset(number for number, places in places_of.items() if len(places) > _SINGLE_PARTS))
-
-    def table(self, ratio: float, reach: float, *, wide: bool = False) -> RingTable:
-        """About a radius over the thickness, with rings up to ``reach`` contact radii; of half a decade where wide."""
-        number = _number(ratio)
-        if wide or number in self.many:
-            return _half_decade(self.kind, reach, number)
-        return _part(self.kind, reach, _place(ratio))
+def ends_of(ratio: float, *, wide: bool) -> Interval:
+    """Range of log a for the table about a radius over the thickness: a half decade, or a part of it."""
+    ratios = np.array([ratio])
+    if wide:
+        return interval(int(number_of(ratios)[0]), _NODES)
+    part = int(part_of(ratios)[0])
+    return Interval(part * _PART - _BEYOND, (part + 1) * _PART + _BEYOND, _FEW)

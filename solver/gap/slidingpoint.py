@@ -18,7 +18,7 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.cache import cached
-from solver.gap.airpoint import PointSolution, PointStates
+from solver.gap.airpoint import PointStates
 from solver.gap.grid import gauss, peak_of_panels
 from solver.gap.newton import solved
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
@@ -39,96 +39,6 @@ _NEAREST = 1e-13  # to the edge that the integral over the fall of the pressure 
 _RATIO = 0.35  # of its pieces, and their nodes
 
 
-@dataclass(frozen=True, eq=False)
-class HarmonicOutputs:
-    """Outputs of every column at one radius."""
-
-    edges: Array  # S of the channels just within the edge; (channel, column)
-    raised: Array  # u_y less the shifted profile, and the potentials, beside the contact; (channel, n, column)
-    smooth: Array  # S below the contact without its closed part, at the nodes of ``below``; (channel, node, column)
-    below: ContactRule  # Gauss's nodes
-
-
-@dataclass(frozen=True, eq=False)
-class RingHarmonic:
-    """First-order effect of friction on contacts of one shape and conduction on one stack, or on a half-space.
-
-    Columns are a unit shift c/a, friction eta = 1 below the contact at rest, and the densities of cos(angle) at the
-    exterior nodes. Below the contact chi is that of the shifted profile, s^(e-1), or none. Friction adds
-    k (pi/2) H[phi_sigma], which is steep on both sides of the edge: the part of it without layers stays in closed form.
-    """
-
-    operators: RingOperators
-    response: Response
-    sheared: SurfaceKernel | None = None
-
-    @property
-    def _rows(self) -> Rows:
-        return self.operators.rows
-
-    @property
-    def _columns(self) -> int:
-        return CAUSES + len(self._rows.fields) * self._rows.nodes
-
-    @property
-    def _coupling(self) -> Array:
-        return np.asarray(self.response.coupling[self._rows.channels] * np.pi / 2)
-
-    @property
-    def _edge_chi(self) -> float:
-        """chi of the shifted profile at the edge."""
-        return self.response.shape.exponent * self.response.shape.rise
-
-    def densities(self, place: int) -> slice:
-        """Columns of the densities of a field, by its place."""
-        return slice(CAUSES + place * self._rows.nodes, CAUSES + (place + 1) * self._rows.nodes)
-
-    def outputs(self, radius: float, pressed: Density) -> HarmonicOutputs:
-        """Outputs for a contact at rest."""
-        below = ContactRule.of(radius / self.operators.width)
-        count, rows, rings = below.nodes.size, self._rows, self.operators.rings
-        smooth, added = self._layered(radius, below, pressed)
-        chi = np.zeros((len(rows.channels), self._columns))
-        chi[0, SHIFT] = self._edge_chi
-        chi[:, RUBBED] = -self._coupling * pressed.turned(_EDGE)[0, 0, 0]
-        edges = self.operators.inverse @ (chi - added[:, count])
-        beside_it = self.operators.chi_beside(added[:, count:], edges)
-        beside_it[..., RUBBED] += self._coupling[:, None] * _left(pressed, rings.grid.theta)
-        raised = rings.raised @ beside_it
-        raised[0, :, SHIFT] -= self._edge_chi * rings.power(self.response.shape.exponent - 1)
-        return HarmonicOutputs(edges, raised, smooth, below)
-
-    def _layered(self, radius: float, below: ContactRule, pressed: Density) -> tuple[Array, Array]:
-        """Contribution of the layers to S below the contact, and to N S there, at the edge and outside."""
-        rows = self._rows
-        targets = np.concatenate([below.nodes, _EDGE, self.operators.rings.grid.distance])
-        added = np.zeros((len(rows.channels), targets.size, self._columns))
-        if self.sheared is None:
-            return np.zeros((len(rows.channels), below.nodes.size, self._columns)), added
-        for place, by_density in enumerate(self.operators.from_exterior(radius, targets)):
-            added[..., self.densities(place)] = by_density
-        graded = below.graded
-        closed = self.closed(graded.nodes, pressed)
-        added[..., :CAUSES] = summed(self.operators.within(radius, targets, graded), closed)
-        added[..., RUBBED] += self._pulled(radius, targets, graded, pressed)
-        return self.operators.settled(self.operators.within(radius, targets, below), added)
-
-    def closed(self, s: Array, pressed: Density) -> Array:
-        """S of a half-space below the contact, of shift and friction, at s (s,) from 0 to 1; (channel, s, 2)."""
-        along, moved = self.response.answers
-        columns = [moved[:, None] * s ** (self.response.shape.exponent - 1), -along[:, None] * pressed.turned(s)[0, 0]]
-        return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
-
-    def _pulled(self, radius: float, targets: Array, rule: ContactRule, pressed: Density) -> Array:
-        """Contribution of the layers to the channels by the shear traction; (channel, target)."""
-        assert self.sheared is not None
-        weights = -radius / 2 * pressed.at(rule.nodes)[0, 0] * rule.weights
-        distance = targets[:, None] - rule.nodes
-        kernels = np.sign(distance)[..., None] * self.sheared.at(radius * np.abs(distance))
-        kernels += self.sheared.at(radius * (targets[:, None] + rule.nodes))
-        return np.asarray(np.einsum("tbi,b->it", kernels, weights)[self._rows.channels])
-
-
 def _left(pressed: Density, theta: Array) -> Array:
     """H[phi_sigma] at cosh(theta) less that at the edge, by the fall of phi: no difference of near numbers; (n,)."""
     count = int(np.log(_NEAREST) / np.log(_RATIO))
@@ -147,7 +57,12 @@ _ENDS, _RULE = np.append(0.0, 0.4 ** np.arange(9, -1, -1.0)), 12  # of pieces in
 
 @dataclass(frozen=True, eq=False)
 class SlidingPoint:
-    """The first order of one contact, in the units of the body."""
+    """The first order of one contact in friction, in the units of the body.
+
+    Columns are a unit shift c/a, friction eta = 1 below the contact at rest, and the densities of cos(angle) at the
+    exterior nodes. Below the contact chi is that of the shifted profile, s^(e-1), or none. Friction adds
+    k (pi/2) H[phi_sigma], which is steep on both sides of the edge: the part of it without layers stays in closed form.
+    """
 
     at_rest: SolvedPoint
     friction: float
@@ -159,47 +74,107 @@ class SlidingPoint:
         """Response of the top half-space."""
         return Response(self._operators.compliance, self.coupling, self._operators.shape)
 
-    @property
+    @cached_property
     def _operators(self) -> RingOperators:
-        return self.at_rest.operators
+        """Operators of what varies as cos(angle)."""
+        return replace(self.at_rest.operators, rings=self.at_rest.operators.rings.turned)
+
+    @property
+    def _rows(self) -> Rows:
+        return self._operators.rows
 
     @property
     def _carried(self) -> list[int]:
         """Conducted fields among the channels (sigma_yy, D_y, B_y)."""
-        return self._operators.rows.channels[1:]
-
-    @property
-    def _state(self) -> PointSolution:
-        return self.at_rest.state
+        return self._rows.channels[1:]
 
     @property
     def rings(self) -> Rings:
         """Rings of the part that varies as cos(angle)."""
-        return self._operators.rings.turned
+        return self._operators.rings
+
+    # -- columns -------------------------------------------------------------------------------------------------------
+    @property
+    def _columns(self) -> int:
+        return CAUSES + len(self._rows.fields) * self._rows.nodes
+
+    def _of_field(self, place: int) -> slice:
+        """Columns of the densities of a field, by its place."""
+        return slice(CAUSES + place * self._rows.nodes, CAUSES + (place + 1) * self._rows.nodes)
 
     @cached_property
-    def _columns(self) -> RingHarmonic:
-        return RingHarmonic(replace(self._operators, rings=self.rings), self.response, self.sheared)
+    def _below(self) -> ContactRule:
+        """Nodes below the contact."""
+        return ContactRule.of(self.at_rest.radius / self._operators.width)
 
     @cached_property
-    def _turned(self) -> HarmonicOutputs:
-        return self._columns.outputs(self._state.radius, self.at_rest.density)
+    def _exterior(self) -> tuple[Array, Array]:
+        """S just within the edge, and beside the contact u_y less the shifted profile and the potentials.
 
+        (channel, column) and (channel, n, column).
+        """
+        count, rings, pressed = self._below.nodes.size, self.rings, self.at_rest.density
+        coupling, exponent = self.response.coupling[self._rows.channels] * np.pi / 2, self.response.shape.exponent
+        edge_chi = exponent * self.response.shape.rise  # of the shifted profile
+        added = self._layered[1]
+        chi = np.zeros((len(self._rows.channels), self._columns))
+        chi[0, SHIFT] = edge_chi
+        chi[:, RUBBED] = -coupling * pressed.turned(_EDGE)[0, 0, 0]
+        edges = self._operators.inverse @ (chi - added[:, count])
+        beside_it = self._operators.chi_beside(added[:, count:], edges)
+        beside_it[..., RUBBED] += coupling[:, None] * _left(pressed, rings.grid.theta)
+        raised = rings.raised @ beside_it
+        raised[0, :, SHIFT] -= edge_chi * rings.power(exponent - 1)
+        return edges, raised
+
+    @cached_property
+    def _layered(self) -> tuple[Array, Array]:
+        """Contribution of the layers to S below the contact, and to N S there, at the edge and outside.
+
+        S at the nodes of ``_below``, without its closed part; (channel, node, column) each.
+        """
+        radius, below, operators = self.at_rest.radius, self._below, self._operators
+        targets = np.concatenate([below.nodes, _EDGE, self.rings.grid.distance])
+        added = np.zeros((len(self._rows.channels), targets.size, self._columns))
+        if self.sheared is None:
+            return added[:, : below.nodes.size], added
+        for place, by_density in enumerate(operators.from_exterior(radius, targets)):
+            added[..., self._of_field(place)] = by_density
+        graded = below.graded
+        added[..., :CAUSES] = summed(operators.within(radius, targets, graded), self._closed(graded.nodes))
+        added[..., RUBBED] += self._pulled(radius, targets, graded)
+        return operators.settled(operators.within(radius, targets, below), added)
+
+    def _closed(self, s: Array) -> Array:
+        """S of a half-space below the contact, of shift and friction, at s (s,) from 0 to 1; (channel, s, 2)."""
+        along, moved = self.response.answers
+        rubbed = -along[:, None] * self.at_rest.density.turned(s)[0, 0]
+        columns = [moved[:, None] * s ** (self.response.shape.exponent - 1), rubbed]
+        return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
+
+    def _pulled(self, radius: float, targets: Array, rule: ContactRule) -> Array:
+        """Contribution of the layers to the channels by the shear traction; (channel, target)."""
+        assert self.sheared is not None
+        weights = -radius / 2 * self.at_rest.density.at(rule.nodes)[0, 0] * rule.weights
+        distance = targets[:, None] - rule.nodes
+        kernels = np.sign(distance)[..., None] * self.sheared.at(radius * np.abs(distance))
+        kernels += self.sheared.at(radius * (targets[:, None] + rule.nodes))
+        return np.asarray(np.einsum("tbi,b->it", kernels, weights)[self._rows.channels])
+
+    # -- solution ------------------------------------------------------------------------------------------------------
     @cached_property
     def _weights(self) -> Array:
         """Sizes of the columns per unit of friction; (column,)."""
-        state, outputs, columns = self._state, self._turned, self._columns
-        rows, profile = self._operators.rows, self._operators.profile
-        law = np.empty((1 + len(rows.fields) * rows.nodes, outputs.edges.shape[1]))
-        law[0] = outputs.edges[0]
+        state, rows, profile, (edges, raised) = self.at_rest, self._rows, self.at_rest.operators.profile, self._exterior
+        law = np.empty((1 + len(rows.fields) * rows.nodes, self._columns))
+        law[0] = edges[0]
         for place, at_rest in enumerate(state.over_size):
             rows_of_field = law[1 + place * rows.nodes : 1 + (place + 1) * rows.nodes]
             rows_of_field[:] = (
-                -(at_rest / profile)[:, None] * outputs.raised[0]
-                - state.conductance[place, :, None] * outputs.raised[1 + place]
+                -(at_rest / profile)[:, None] * raised[0] - state.conductance[place, :, None] * raised[1 + place]
             )
             rows_of_field[:, SHIFT] += at_rest * state.gap / profile * self._widened
-            rows_of_field[:, columns.densities(place)][np.diag_indices(rows.nodes)] += state.gap / profile
+            rows_of_field[:, self._of_field(place)][np.diag_indices(rows.nodes)] += state.gap / profile
         unknown = np.delete(np.arange(law.shape[1]), RUBBED)
         result = np.ones(law.shape[1])
         result[unknown] = solved(law[:, unknown], -law[:, RUBBED])
@@ -212,7 +187,7 @@ class SlidingPoint:
     @property
     def _widened(self) -> Array:
         """Relative change of the gap law's factor 1 + r^2/end^2 for a unit shift; (n,)."""
-        return np.asarray(2 * (1 - self._state.thinned) / self.rings.grid.distance)
+        return np.asarray(2 * (1 - self.at_rest.thinned) / self.rings.grid.distance)
 
     @property
     def shift(self) -> float:
@@ -222,9 +197,8 @@ class SlidingPoint:
     @cached_property
     def over_size(self) -> Array:
         """D_y and B_y of cos(angle) over C a^(e-1) at the nodes, over their size; (field, n)."""
-        rows = self._operators.rows
-        densities = self.friction * self._weights[CAUSES:] if self._slides else np.zeros(len(rows.fields) * rows.nodes)
-        return densities.reshape(len(rows.fields), rows.nodes)
+        densities = self.friction * self._weights[CAUSES:] if self._slides else np.zeros(self._columns - CAUSES)
+        return densities.reshape(len(self._rows.fields), self._rows.nodes)
 
     @cached_property
     def exterior_densities(self) -> tuple[Array, Array]:
@@ -232,8 +206,8 @@ class SlidingPoint:
 
         (field, n) each.
         """
-        densities, thinned = self.over_size * self.rings.size, self._state.thinned
-        return densities, densities / thinned + self._state.densities / thinned * self.shift * self._widened
+        densities, thinned = self.over_size * self.rings.size, self.at_rest.thinned
+        return densities, densities / thinned + self.at_rest.exterior_densities / thinned * self.shift * self._widened
 
     @property
     def reach(self) -> float:
@@ -242,8 +216,8 @@ class SlidingPoint:
         A gap's field cannot go beyond it, which the first order does not know.
         """
         N, channels, (_, turned) = self._operators.compliance, self._carried, self.exterior_densities
-        at_rest = self._state.densities / self._state.thinned
-        yielding = -self._state.unit * N[0, channels] / N[channels, channels] / self._state.media
+        at_rest = self.at_rest.exterior_densities / self.at_rest.thinned
+        yielding = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self.at_rest.media
         return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
     # -- tractions -----------------------------------------------------------------------------------------------------
@@ -252,9 +226,9 @@ class SlidingPoint:
         """Coefficients of P_n(2 b - 1) in psi without its closed part, over C a^(e-1); (3, n)."""
         if not self._slides:
             return np.zeros((3, 1))
-        result = np.zeros((3, 2 * self._turned.below.nodes.size))
-        S = self._turned.smooth @ (self.friction * self._weights)
-        result[self._operators.rows.channels] = S @ self._turned.below.odd_series.T
+        result = np.zeros((3, 2 * self._below.nodes.size))
+        S = self._layered[0] @ (self.friction * self._weights)
+        result[self._rows.channels] = S @ self._below.odd_series.T
         return result
 
     def sines(self, b: Array) -> Array:
@@ -268,7 +242,7 @@ class SlidingPoint:
             return self.at_rest.tractions(ratio)
 
         def sines(b: Array, columns: Indices) -> Array:
-            return self._state.unit * np.broadcast_to(self.sines(b), (columns.size, 3, b.size))
+            return self.at_rest.unit * np.broadcast_to(self.sines(b), (columns.size, 3, b.size))
 
         at_rest = self.at_rest.tractions(ratio, self.over_size)
         return replace(at_rest, friction=np.array([self.friction]), sines=sines)
@@ -286,7 +260,7 @@ class SlidingPoint:
         at_rest = self.at_rest.bounded(ray.r, _drawn(self.at_rest.operators.rings, shape))[channel]
         if field is None:
             return np.stack([-at_rest, turned])
-        densities = self.over_size[self._operators.rows.fields.index(field)]
+        densities = self.over_size[self._rows.fields.index(field)]
         edge = self.sines(np.ones(1))[channel, 0]
         return np.stack([at_rest, edge * ray.x / ray.r - turned + _drawn(self.rings, shape) @ densities])
 
@@ -296,12 +270,12 @@ class SlidingPoint:
 
         (b,), (3, b) and (4, b).
         """
-        reach = self._state.radius / self._operators.width
+        reach = self.at_rest.radius / self._operators.width
         rule = hankel.nodes(parts=4 + int(_PARTS * reach), kinked=True)
         far, share = self.rings.rule
         within = np.concatenate([self.at_rest.density.at(rule.b)[0], self.sines(rule.b)])
         exterior = np.zeros((2, 3, far.size))
-        at_rest, turned = (self.at_rest.operators.rings, self._state.over_size), (self.rings, self.over_size)
+        at_rest, turned = (self.at_rest.operators.rings, self.at_rest.over_size), (self.rings, self.over_size)
         for number, (panels, densities) in enumerate((at_rest, turned)):
             S = (densities @ panels.gathered.T / panels.size).reshape(len(densities), panels.grid.panels, -1)
             exterior[number, self._carried] = np.einsum("psn,fpn->fps", share, S).reshape(len(densities), -1)
@@ -313,7 +287,7 @@ class SlidingPoint:
         """int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
         rule = hankel.nodes(kinked=True)
         result = (self.at_rest.density.at(rule.b)[0] + 2 * rule.b * self.sines(rule.b)) @ rule.weights
-        result[self._carried] += self._state.over_size @ _held(self.at_rest.operators.rings)
+        result[self._carried] += self.at_rest.over_size @ _held(self.at_rest.operators.rings)
         result[self._carried] += self.over_size @ _held(self.rings)
         return np.asarray(result)
 
@@ -321,7 +295,7 @@ class SlidingPoint:
     def just_beside(self) -> Array:
         """(0, D_y, B_y) just outside the trailing edge; (3,)."""
         result = np.zeros(3)
-        result[self._carried] = (self._state.over_size + self.over_size) @ self.rings.grid.edge
+        result[self._carried] = (self.at_rest.over_size + self.over_size) @ self.rings.grid.edge
         return result
 
 
@@ -378,13 +352,13 @@ def largest_beside(states: PointStates, slid: Sequence[SlidingPoint | None], pla
 
 def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
     """sigma_xx [Pa] just outside the trailing edge, with the surface's charges; units (3,) are those of the body."""
-    unit = slid.at_rest.state.unit / units
+    unit = slid.at_rest.unit / units
     first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.at_rest.density))
     result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
     if isinstance(body, Film):
         b, plain, turned = slid.weighted
-        added = added_tension(body.kind.film.stack(), rim, slid.at_rest.state.radius, b, plain, turned)
-        result = result + slid.at_rest.state.unit * added
+        added = added_tension(body.kind.film.stack(), rim, slid.at_rest.radius, b, plain, turned)
+        result = result + slid.at_rest.unit * added
     return float(result)
 
 

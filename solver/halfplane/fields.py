@@ -5,60 +5,17 @@ position only, g on the case without the position, and W on the position only: t
 sum.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from solver.arrays import Array, BoolArray, components
 from solver.halfplane.contact import Contact
 
 
-@dataclass(frozen=True, eq=False)
-class Separable:
-    """A field ``(scale * shared + strength * weight) / root`` that is singular at the edges.
+def surface_fields(contact: Contact, positions: Array, *, regular: bool = False) -> dict[str, Array]:
+    """Fields of every case at every position, (..., position) in the smallest shape; [Pa], [C/m2] and [T].
 
-    ``scale`` and ``strength`` have the case axes and an axis of length 1 (..., 1), ``shared`` has a position axis in
-    the smallest shape (..., position), ``weight`` and ``root = sqrt|1 - X^2|`` have nothing else (position,).
+    Those that are singular at the edges also times sqrt|1 - X^2| if `regular`: they are finite at a smooth edge.
     """
-
-    scale: Array
-    shared: Array
-    strength: Array
-    weight: Array
-    root: Array
-
-    @property
-    def values(self) -> Array:
-        """The field itself, (..., position)."""
-        return self._sum(self.shared / self.root, self.weight / self.root)
-
-    @property
-    def regular(self) -> Array:
-        """The field times ``root``, which is finite at a smooth edge."""
-        return self._sum(self.shared, self.weight)
-
-    def _sum(self, shared: Array, weight: Array) -> Array:
-        pressed, carried = self.scale * shared, self.strength * weight
-        if np.broadcast_shapes(pressed.shape, carried.shape) != carried.shape:
-            return np.asarray(pressed + carried)
-        return np.add(pressed, carried, out=carried)  # of two arrays of full size, one is enough
-
-
-@dataclass(frozen=True, eq=False)
-class SurfaceFields:
-    """Fields along the surface, each (..., position) in the smallest shape; [Pa], [C/m2] and [T]."""
-
-    contact_pressure: Array
-    shear_traction: Array
-    electric_displacement_y: Separable
-    magnetic_induction_y: Separable
-    stress_xx: Separable
-    electric_displacement_x: Separable
-    magnetic_induction_x: Separable
-
-
-def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
-    """Fields of every case at every position."""
     half, sliding = contact.halfplane, contact.sliding
     inside, root, (S, S_root, HS, D_root, HD_root) = _shapes(contact, positions)
     within, beyond = inside.astype(np.float64), np.where(inside, 0.0, np.sign(positions))
@@ -85,26 +42,29 @@ def surface_fields(contact: Contact, positions: Array) -> SurfaceFields:
         carried.append(M[0] * e[0] + M[1] * e[1])
     permittivity = [components(half.transverse_permittivity[..., j, :]) for j in (0, 1)]
     shear_share = components(half.transverse_shear_share)
-    flux_x = [
-        Separable(
-            scale,
-            shear_share[j] * eta * S_root - permittivity[j][0] * gradient[0] - permittivity[j][1] * gradient[1],
-            permittivity[j][0] * carried[0] + permittivity[j][1] * carried[1],
-            beyond,
-            root,
-        )
-        for j in (0, 1)
-    ]
+    # shared part U, (..., position), strength g, (..., 1), and weight W, (position,)
+    singular: dict[str, tuple[Array, Array, Array]] = {
+        "electric_displacement_y": (follow[0], e[0], within),
+        "magnetic_induction_y": (follow[1], e[1], within),
+        "stress_xx": (follow_xx, direct[1] * e[0] + direct[2] * e[1], within),
+    }
+    for j, name in enumerate(("electric_displacement_x", "magnetic_induction_x")):
+        (of_electric, of_magnetic), share = permittivity[j], shear_share[j]
+        shared = share * eta * S_root - of_electric * gradient[0] - of_magnetic * gradient[1]
+        singular[name] = shared, of_electric * carried[0] + of_magnetic * carried[1], beyond
     pressure = -scale * S
-    return SurfaceFields(
-        contact_pressure=pressure,
-        shear_traction=-eta * pressure,
-        electric_displacement_y=Separable(scale, follow[0], e[0], within, root),
-        magnetic_induction_y=Separable(scale, follow[1], e[1], within, root),
-        stress_xx=Separable(scale, follow_xx, direct[1] * e[0] + direct[2] * e[1], within, root),
-        electric_displacement_x=flux_x[0],
-        magnetic_induction_x=flux_x[1],
-    )
+    fields = {"contact_pressure": pressure, "shear_traction": -eta * pressure}
+    for name, (shared, strength, weight) in singular.items():
+        fields[name] = _sum(scale * (shared / root), strength * (weight / root))
+        if regular:
+            fields[f"{name}_regular"] = _sum(scale * shared, strength * weight)
+    return fields
+
+
+def _sum(pressed: Array, carried: Array) -> Array:
+    """Sum in the place of one of the parts if it has the whole shape: of two arrays of full size, one is enough."""
+    whole = np.broadcast_shapes(pressed.shape, carried.shape) == carried.shape
+    return np.add(pressed, carried, out=carried) if whole else np.asarray(pressed + carried)
 
 
 def _shapes(contact: Contact, X: Array) -> tuple[BoolArray, Array, list[Array]]:

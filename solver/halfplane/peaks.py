@@ -10,17 +10,16 @@ beyond, X = 1 + (s - 1)/(2 - s), so that s = 2 at infinity. The coordinate of th
 logarithm from 0.1 h to 2 h. No largest von Mises stress lies deeper, and no tension as large as one at the least depth.
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
+from collections.abc import Callable, Set
 
 import numpy as np
 
+from approximation.arrays import Indices, blocks
 from solver.arrays import Array, BoolArray
 from solver.curves import REGIONS
 from solver.halfplane.contact import Contact
-from solver.halfplane.interior import InteriorParts, interior_parts, principal_tension, von_mises
+from solver.halfplane.interior import interior_parts, principal_tension, von_mises
+from solver.names import PEAKS
 
 DEPTH = 0.1  # of the half-width: the least depth
 _DEEPEST = 2.0  # of the half-width: the largest depth of the curves
@@ -44,105 +43,57 @@ _NOTHING = 1e-12  # of the pressure scale: a tension below it is none
 Measure = Callable[[Array, Array, Array, Array], Array]
 
 
-@dataclass(frozen=True, eq=False)
-class Peak:
-    """A largest stress [Pa] and its depth [m]; (...)."""
-
-    value: Array
-    depth: Array
-
-
-def peak_von_mises(contact: Contact) -> Peak:
-    """Largest von Mises stress below depth 0.1 h, to 1e-9 of itself."""
-    value, depth = _peak(contact, von_mises, *_starts(contact, von_mises, _BODY))
-    return Peak(contact.pressure_scale * value, contact.half_width * depth)
-
-
-def peak_principal_tension(contact: Contact) -> Peak:
-    """Largest principal stress below depth 0.1 h; 0, that of points far away, where no tension is found.
-
-    The depth is infinite where there is no tension.
-    """
-    value, depth = _peak(contact, principal_tension, *_starts(contact, principal_tension, _BODY, *_LINES))
-    none = value < _NOTHING
-    scale, half = contact.pressure_scale, contact.half_width
-    return Peak(np.where(none, 0.0, scale * value), np.where(none, np.inf, half * depth))
+def peaks(contact: Contact, requested: Set[str]) -> dict[str, Array]:
+    """Requested quantities of ``solver.names.PEAKS``, to 1e-9 of themselves; (...)."""
+    scale, out = contact.pressure_scale, dict[str, Array]()
+    if {"peak_von_mises", "peak_von_mises_depth"} & requested:
+        value, depth = _peak(contact, von_mises, *_starts(contact, von_mises, _BODY))
+        out |= {"peak_von_mises": scale * value, "peak_von_mises_depth": contact.half_width * depth}
+    if "peak_principal_tension" in requested:  # 0, that of points far away, where no tension is found
+        value, _ = _peak(contact, principal_tension, *_starts(contact, principal_tension, _BODY, *_LINES))
+        out["peak_principal_tension"] = np.where(value < _NOTHING, 0.0, scale * value)
+    return {name: out[name] for name in PEAKS if name in requested}
 
 
 def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array, Array]:
     """Largest measure over the pressure scale, and its depth over h, from starting points (..., start)."""
     reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
-    highest = _Place(x, y, np.full_like(x, -np.inf))  # of every start, so far
-    ended: BoolArray = np.zeros_like(
-        x, dtype=bool
-    )  # an ended climb stays: no answer depends on the cases solved with it
+    highest = np.stack([x, y, np.full_like(x, -np.inf)])  # place and measure of every start, so far
+    ended: BoolArray = np.zeros_like(x, dtype=bool)  # such a climb stays: no answer depends on the cases beside it
     for _ in range(_STEPS):
-        stencil = _Stencil(x, y, np.clip(reach / 8, 1e-4, 0.02))
-        around = stencil.measured(contact, measure)
-        current = _Place(x, y, around[..., 4])
-        up = (current.value >= highest.value) & ~ended
-        highest = _Place(*(np.where(up, new, old) for new, old in zip(current, highest, strict=True)))
-        to_zero = (current.value < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
+        step = np.clip(reach / 8, 1e-4, 0.02)  # of the stencil, over the distance to the edges and the depth
+        across, down = step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y), -step * y
+        around = _around(contact, measure, (x, across), (y, down))
+        current = np.stack([x, y, around[..., 4]])
+        up = (current[2] >= highest[2]) & ~ended
+        highest = np.where(up, current, highest)
+        to_zero = (current[2] < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
         ended |= (moved < _CLOSE) | to_zero
         if np.all(ended):
             break
-        dx, dy = _newton_step(around, (-DEPTH - y) / stencil.down, reach / stencil.step)
-        length = np.hypot(dx, dy) * stencil.step
+        dx, dy = _newton_step(around, (-DEPTH - y) / down, reach / step)
+        length = np.hypot(dx, dy) * step
         # what went down goes back and tries again with a quarter of the reach
-        x = np.where(up, x + dx * stencil.across, highest.x)
-        y = np.where(up, np.minimum(y + dy * stencil.down, -DEPTH), highest.y)
+        x = np.where(up, x + dx * across, highest[0])
+        y = np.where(up, np.minimum(y + dy * down, -DEPTH), highest[1])
         reach = np.where(up, np.clip(2 * length, 1e-6, reach), moved / 4)
         moved = np.where(up, length, moved / 4)
-    top = np.argmax(highest.value, -1)[..., None]
-    return np.take_along_axis(highest.value, top, -1)[..., 0], -np.take_along_axis(highest.y, top, -1)[..., 0]
+    top = np.argmax(highest[2], -1)[..., None]
+    return np.take_along_axis(highest[2], top, -1)[..., 0], -np.take_along_axis(highest[1], top, -1)[..., 0]
 
 
-class _Place(NamedTuple):
-    """A point of every start and the measure there; (..., start)."""
-
-    x: Array
-    y: Array
-    value: Array
-
-
-@dataclass(frozen=True, eq=False)
-class _Stencil:
-    """Nine points around (x, y), (...): a step is a share of the distance to the edges across, of the depth down."""
-
-    x: Array
-    y: Array
-    step: Array
-
-    @cached_property
-    def across(self) -> Array:
-        """Spacing in x."""
-        x, y = self.x, self.y
-        return self.step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y)
-
-    @cached_property
-    def down(self) -> Array:
-        """Spacing in y."""
-        return -self.step * self.y
-
-    def measured(self, contact: Contact, measure: Measure) -> Array:
-        """The measure at the nine points, row by row from the deepest; (..., 9)."""
-        x = self.x[..., None] + self.across[..., None] * _STENCIL[:, 0]
-        y = self.y[..., None] + self.down[..., None] * _STENCIL[:, 1]
-        cases = self.x.shape[:-1]
-        stresses = _stresses(contact, x.reshape(*cases, -1), y.reshape(*cases, -1))
-        return measure(*stresses).reshape(x.shape)
+def _around(contact: Contact, measure: Measure, *axes: tuple[Array, Array]) -> Array:
+    """Measure on the stencil about places, row by row from the deepest; (..., start, 9). axes: place and spacing."""
+    stencil = [place[..., None] + size[..., None] * _STENCIL[:, k] for k, (place, size) in enumerate(axes)]
+    cases = stencil[0].shape[:-2]
+    return measure(*_stresses(contact, *(points.reshape(*cases, -1) for points in stencil))).reshape(stencil[0].shape)
 
 
 def _stresses(contact: Contact, x: Array, y: Array) -> list[Array]:
     """Stresses over the pressure scale; (..., point) each."""
-    parts = interior_parts(contact, x, y, _STRESSES)
-    whole = _combined(parts, contact.relative_charge_density)
+    parts, e = interior_parts(contact, x, y, _STRESSES), contact.relative_charge_density[..., None, None, :]
+    whole = parts.of_load + e[..., 0] * parts.of_charges[0] + e[..., 1] * parts.of_charges[1]
     return [whole[..., k, :] for k in range(4)]
-
-
-def _combined(parts: InteriorParts, e: Array) -> Array:
-    electric, magnetic = (e[..., j, None, None] * parts.of_charges[j] for j in (0, 1))
-    return np.asarray(parts.of_load + electric + magnetic)
 
 
 def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Array]:
@@ -165,21 +116,23 @@ def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> t
     parts = interior_parts(contact, x, y, _STRESSES)
     e = contact.relative_charge_density
     shape = np.broadcast_shapes(parts.of_load.shape[:-2], parts.of_charges[0].shape[:-2], e.shape[:-1])
-    best, highest, largest = (np.empty((*shape, count)) for count in (_MAXIMA, _MAXIMA, 1))
-    for chunk in _chunks(shape, 4 * x.size):
-        block = InteriorParts(
-            _part(parts.of_load, chunk, 2),
-            (_part(parts.of_charges[0], chunk, 2), _part(parts.of_charges[1], chunk, 2)),
-        )
-        stresses = _combined(block, _part(e, chunk, 1))
-        values = measure(*(stresses[..., k, :] for k in range(4)))
-        grid = values.reshape(*values.shape[:-1], down.size, across.size)
+    count, scans = int(np.prod(shape)), list[tuple[Indices, Array, Array]]()
+    for block in blocks(count, max(1, _CHUNK // (4 * x.size))):
+        cases = np.unravel_index(np.arange(count)[block], (1, *shape))
+
+        def part(values: Array, cases: tuple[Indices, ...] = cases) -> Array:
+            return np.broadcast_to(values, (1, *shape, *values.shape[-2:]))[cases]
+
+        electric, magnetic = (part(e[..., j, None, None]) * part(parts.of_charges[j]) for j in (0, 1))
+        stresses = part(parts.of_load) + electric + magnetic
+        values = measure(*(stresses[:, k] for k in range(4)))
+        grid = values.reshape(-1, down.size, across.size)
         ranked = np.where(_is_top(grid), grid, -np.inf).reshape(values.shape)
-        order = np.argsort(-ranked, axis=-1)[..., :_MAXIMA]
-        best[chunk], highest[chunk] = order, np.take_along_axis(ranked, order, -1)
-        largest[chunk] = np.max(np.abs(stresses), axis=(-2, -1))[..., None]
-    places = best.astype(int)
-    return x[places], y[places], highest, largest
+        order = np.argsort(-ranked, axis=-1)[:, :_MAXIMA]
+        largest = np.max(np.abs(stresses), axis=(-2, -1))[:, None]
+        scans.append((order, np.take_along_axis(ranked, order, -1), largest))
+    best, highest, largest = (np.concatenate(values).reshape(*shape, -1) for values in zip(*scans, strict=True))
+    return x[best], y[best], highest, largest
 
 
 def _is_top(grid: Array) -> BoolArray:
@@ -195,66 +148,24 @@ def _is_top(grid: Array) -> BoolArray:
 
 def _newton_step(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
     """Step up, in steps of the stencil, no longer than the reach and not above the ceiling; each (...)."""
-    gradient, curvature = _derivatives(around)
-    dx, dy = _uphill(gradient, curvature)
-    # at the ceiling the step is along it; its own curvature counts there
-    held = dy > ceiling
-    (gx, _), (xx, _, xy) = gradient, curvature
-    alone = -(gx + xy * ceiling) / -np.maximum(np.abs(xx), _least_curvature(curvature))
-    dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
-    length = np.hypot(dx, dy)
-    short = np.minimum(length, reach) / np.maximum(length, _TINY)
-    return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
-
-
-def _derivatives(around: Array) -> tuple[tuple[Array, Array], tuple[Array, Array, Array]]:
-    """Gradient (x, y) and curvature (xx, yy, xy) by differences on the stencil; each (...)."""
     sw, s, se, w, centre, e, nw, n, ne = np.moveaxis(around, -1, 0)
-    gradient = (e - w) / 2, (n - s) / 2
-    return gradient, (e + w - 2 * centre, n + s - 2 * centre, (ne - nw - se + sw) / 4)
-
-
-def _uphill(gradient: tuple[Array, Array], curvature: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-    """Newton step with the eigenvalues of the curvature made negative, so that it goes up from a saddle too."""
-    (gx, gy), (xx, yy, xy) = gradient, curvature
-    mean, half = _mean_and_half(curvature)
-    least = _least_curvature(curvature)
+    gx, gy = (e - w) / 2, (n - s) / 2
+    xx, yy, xy = e + w - 2 * centre, n + s - 2 * centre, (ne - nw - se + sw) / 4
+    # the eigenvalues of the curvature, mean +- half, are made negative, so that the step goes up from a saddle too
+    mean, half = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    least = 1e-3 * (np.abs(mean) + half) + _TINY
     high, low = -np.maximum(np.abs(mean + half), least), -np.maximum(np.abs(mean - half), least)
     angle = np.arctan2(2 * xy, xx - yy) / 2
     cos, sin = np.cos(angle), np.sin(angle)
     along, over = -(cos * gx + sin * gy) / high, -(-sin * gx + cos * gy) / low
-    return cos * along - sin * over, sin * along + cos * over
-
-
-def _mean_and_half(curvature: tuple[Array, Array, Array]) -> tuple[Array, Array]:
-    """The eigenvalues of the curvature are mean +- half."""
-    xx, yy, xy = curvature
-    return (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
-
-
-def _least_curvature(curvature: tuple[Array, Array, Array]) -> Array:
-    """Sizes of curvature below it count as it."""
-    mean, half = _mean_and_half(curvature)
-    return 1e-3 * (np.abs(mean) + half) + _TINY
-
-
-def _chunks(shape: tuple[int, ...], per_case: int) -> Iterator[tuple[slice, ...]]:
-    """Slices over the longest axis that keep the arrays of a scan small."""
-    if not shape:
-        yield ()
-        return
-    axis = int(np.argmax(shape))
-    other_axes = int(np.prod(shape)) // max(shape[axis], 1)
-    count = max(1, _CHUNK // max(per_case * other_axes, 1))
-    for start in range(0, shape[axis], count):
-        yield tuple(slice(start, start + count) if k == axis else slice(None) for k in range(len(shape)))
-
-
-def _part(values: Array, chunk: tuple[slice, ...], point_axes: int) -> Array:
-    """The chunk of an array whose case axes may be of length one or missing; its last ``own`` axes stay."""
-    axes = values.ndim - point_axes
-    block = chunk[len(chunk) - axes :] if axes else ()
-    return values[tuple(slice(None) if size == 1 else part for size, part in zip(values.shape, block, strict=False))]
+    dx, dy = cos * along - sin * over, sin * along + cos * over
+    # at the ceiling the step is along it; its own curvature counts there
+    held = dy > ceiling
+    alone = (gx + xy * ceiling) / np.maximum(np.abs(xx), least)
+    dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
+    length = np.hypot(dx, dy)
+    short = np.minimum(length, reach) / np.maximum(length, _TINY)
+    return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
 
 
 def body_curves(contact: Contact) -> dict[str, Array]:

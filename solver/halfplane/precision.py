@@ -42,7 +42,7 @@ def rounding(half: HalfPlane) -> float:
     with np.errstate(all="ignore"):
         if not np.any(half.speed > 0) and unit * np.max(half.condition) <= _SUSPECT:
             return 0.0
-        others = (_Rescaled(half.material, half.speed), _Rescaled(half.material, half.speed, _AGAIN))
+        others = (_Rescaled(half.material, half.speed), _Rescaled(half.material, half.speed, units=_AGAIN))
         return max(float(np.max(_apart(half, other))) for other in others)
 
 

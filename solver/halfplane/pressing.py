@@ -7,7 +7,6 @@ In units of the half-width, x = c + h X, the slope is ``g' = s G(X)`` and ``sigm
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import comb
-from typing import Self
 
 import numpy as np
 
@@ -139,15 +138,14 @@ def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -
     """Any other slope: Newton's iteration for log h and c / h, from the contact of the steepest power alone."""
     half, centre = _first_guess(profile, angle, lam, load)
     for _ in range(_NEWTON_STEPS):
-        equations = _Equations.at(profile, angle, lam * load, half, centre)
-        width_step, centre_step = equations.steps
+        (width_step, centre_step), _ = _newton(profile, angle, lam * load, half, centre)
         half = half * np.exp(-np.clip(width_step, -2, 2))
         centre = centre - np.clip(centre_step, -1, 1)
         if np.all(np.abs(width_step) + np.abs(centre_step) <= 64 * _TOLERANCE):
             break
     else:
         raise ContactError("slope: no contact of this punch carries the load")
-    width_rate, centre_rate = equations.rates
+    _, (width_rate, centre_rate) = _newton(profile, angle, lam * load, half, centre)
     value, by_width, by_centre = slopes(profile.slope, half, centre)
     change = width_rate[..., None] * by_width + centre_rate[..., None] * by_centre
     shape, shape_rate = (Shape.of_slope(angle, profile.smooth, _by_power(g)) for g in (value, change))
@@ -165,45 +163,26 @@ def _first_guess(profile: Profile, angle: FrictionAngle, lam: Array, load: Array
     return half, centre
 
 
-@dataclass(frozen=True, eq=False)
-class _Equations:
-    """The two equations of an extent, 0 where they hold: the load, and the balance of smooth edges.
+def _newton(
+    profile: Profile, angle: FrictionAngle, loaded: Array, half: Array, centre: Array
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Newton's steps in log h and c / h, to be taken off, and derivatives of both in log P; (...) each.
 
-    Each is its value and its derivatives in log h and c / h; (...).
+    Two equations hold: that of the load, ``loaded = lam P``, and the balance of smooth edges.
     """
-
-    load: tuple[Array, Array, Array]
-    balance: tuple[Array, Array, Array]
-
-    @classmethod
-    def at(cls, profile: Profile, angle: FrictionAngle, loaded: Array, half: Array, centre: Array) -> Self:
-        """The equations at h and c / h, of ``loaded = lam P``."""
-        moments = [_by_power(g) for g in slopes(profile.slope, half, centre)]
-        total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in moments)
-        if not np.all(total < 0):
-            raise ContactError("slope: no contact of this punch carries the load without tension")
-        miss = np.log(-half * total / loaded)
-        off, off_by_width, off_by_centre = 0 * miss, 0 * miss, 1 + 0 * miss  # a corner stays in its place
-        if all(profile.smooth):
-            off, off_by_width, off_by_centre = (imbalance(angle, g) for g in moments)
-        return cls((miss, 1 + by_width / total, by_centre / total), (off, off_by_width, off_by_centre))
-
-    @property
-    def determinant(self) -> Array:
-        """Series of the derivatives."""
-        return self.load[1] * self.balance[2] - self.load[2] * self.balance[1]
-
-    @property
-    def steps(self) -> tuple[Array, Array]:
-        """Newton's steps in log h and c / h, to be taken off."""
-        (miss, by_width, by_centre), (off, off_by_width, off_by_centre) = self.load, self.balance
-        in_width = (miss * off_by_centre - by_centre * off) / self.determinant
-        return in_width, (by_width * off - miss * off_by_width) / self.determinant
-
-    @property
-    def rates(self) -> tuple[Array, Array]:
-        """Derivatives of log h and c / h in log P."""
-        return self.balance[2] / self.determinant, -self.balance[1] / self.determinant
+    moments = [_by_power(g) for g in slopes(profile.slope, half, centre)]
+    total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in moments)
+    if not np.all(total < 0):
+        raise ContactError("slope: no contact of this punch carries the load without tension")
+    miss = np.log(-half * total / loaded)
+    in_width, in_centre = 1 + by_width / total, by_centre / total
+    off, off_in_width, off_in_centre = 0 * miss, 0 * miss, 1 + 0 * miss  # a corner stays in its place
+    if all(profile.smooth):
+        off, off_in_width, off_in_centre = (imbalance(angle, g) for g in moments)
+    determinant = in_width * off_in_centre - in_centre * off_in_width
+    width_step = (miss * off_in_centre - in_centre * off) / determinant
+    centre_step = (in_width * off - miss * off_in_width) / determinant
+    return (width_step, centre_step), (off_in_centre / determinant, -off_in_width / determinant)
 
 
 def slopes(slope: Sequence[Array], half: Array, centre: Array) -> tuple[Array, Array, Array]:

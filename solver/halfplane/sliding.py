@@ -1,6 +1,5 @@
 """Coefficients of the integral equations (2.2) for a material, friction and conduction, before any profile or load."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from math import factorial
@@ -11,7 +10,7 @@ import scipy  # scipy.special, slow to import, and not every job solves
 from numpy.typing import ArrayLike
 
 from solver.arrays import Array, BoolArray, column, dot, stack
-from solver.halfplane.surface import HalfPlane
+from solver.halfplane.surface import HalfPlane, shared_by_cases
 
 _DIGITS = 37.0  # -log of the rounding unit
 
@@ -82,19 +81,6 @@ class Punch:
 RIGID_PUNCH = Punch()
 
 
-def _of_distinct(method: Callable[["Sliding"], Array]) -> cached_property[Array]:
-    """Cached property that is computed for the distinct half-planes, where the cases share conduction and punch."""
-
-    def values(sliding: "Sliding") -> Array:
-        shared = sliding.of_distinct
-        if shared is None:
-            return method(sliding)
-        return sliding.halfplane.of_cases(getattr(shared, method.__name__))
-
-    values.__doc__ = method.__doc__
-    return cached_property(values)
-
-
 @dataclass(frozen=True, eq=False)
 class Sliding:
     """Elimination of the conducted fields from (2.2)."""
@@ -105,30 +91,34 @@ class Sliding:
     punch: Punch = RIGID_PUNCH
 
     @cached_property
-    def of_distinct(self) -> "Sliding | None":
-        """The sliding contact of the distinct half-planes; None where cases differ in conduction or punch."""
+    def distinct(self) -> "Sliding":
+        """The sliding contact of the distinct half-planes, unless the cases differ in conduction or punch."""
         varies = self.conducts.size > 2 or self.punch.compliance.size > 1 or self.punch.coupling.size > 1
         distinct = self.halfplane.distinct
         if varies or distinct is self.halfplane:
-            return None
+            return self
         return Sliding(distinct, np.zeros(()), self.conducts.reshape(2), self.punch)
 
-    @_of_distinct
+    def of_cases(self, values: Array) -> Array:
+        """Values of the distinct half-planes, (distinct, ...), for every case."""
+        return self.halfplane.of_cases(values)
+
+    @shared_by_cases
     def compliance(self) -> Array:
         """N of (2.2): that of the surface, with the punch's own at (y, y); (..., 3, 3)."""
         return np.asarray(self.halfplane.compliance + column(self.punch.compliance) * np.diag([1.0, 0.0, 0.0]))
 
-    @_of_distinct
+    @shared_by_cases
     def coupling(self) -> Array:
         """k of (2.2): that of the surface, without the punch's own at y; (..., 3)."""
         return np.asarray(self.halfplane.friction_coupling - self.punch.coupling[..., None] * np.array([1.0, 0.0, 0.0]))
 
-    @_of_distinct
+    @shared_by_cases
     def screening(self) -> Array:
         """r = M^-1 n: how the conducted fields follow the pressure; (..., 2)."""
         return self._solve_conducted(self.halfplane.compliance[..., 1:, 0])
 
-    @_of_distinct
+    @shared_by_cases
     def friction_screening(self) -> Array:
         """d = M^-1 kq: how the conducted fields follow the friction; (..., 2)."""
         return self._solve_conducted(self.halfplane.friction_coupling[..., 1:])
@@ -142,12 +132,12 @@ class Sliding:
         masked = np.where(self.conducts, scale * right, 0.0)
         return np.asarray(np.linalg.solve(scaled, masked[..., None])[..., 0] * scale)
 
-    @_of_distinct
+    @shared_by_cases
     def normal_compliance(self) -> Array:
         """N_J0 - N_Jq.r of J = (u_y, phi, psi): lam, and 0 for a conducted field; (..., 3)."""
         return self._follow(self.compliance[..., 0], self.screening)
 
-    @_of_distinct
+    @shared_by_cases
     def friction_coupling(self) -> Array:
         """k_J - N_Jq.d of J = (u_y, phi, psi): kap, and 0 for a conducted field; (..., 3)."""
         return self._follow(self.coupling, self.friction_screening)

@@ -1,5 +1,6 @@
 """Surface response of the half-plane y < 0: the Stroh matrix, its roots, its Barnett-Lothe tensors (theory, 2)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -18,6 +19,17 @@ _STALLED = 1e-8  # steps that no longer shrink below this are rounding, which gr
 _EVEN, _ODD = np.array([0, 5, 6, 7]), np.array([1, 2, 3, 4])
 
 
+def shared_by_cases(method: Callable[[Any], Array]) -> cached_property[Array]:
+    """Cached property that is computed for the ``distinct`` bodies, whose values ``of_cases`` gives to the cases."""
+
+    def values(owner: Any) -> Array:
+        distinct = owner.distinct
+        return method(owner) if distinct is owner else np.asarray(owner.of_cases(getattr(distinct, method.__name__)))
+
+    values.__doc__ = method.__doc__
+    return cached_property(values)
+
+
 @dataclass(frozen=True, eq=False)
 class HalfPlane:
     """Response of a material's surface to tractions; every array carries the material's case axes first.
@@ -30,19 +42,23 @@ class HalfPlane:
 
     material: Material
     speed: Array = field(default_factory=lambda: np.zeros(()))
+    shared: "tuple[HalfPlane, Indices] | None" = None  # Half-plane of fewer cases with the same tensors, and which
 
     @property
     def distinct(self) -> "HalfPlane":
         """The half-plane of the distinct materials and speeds of the cases."""
-        return self
+        return self.shared[0] if self.shared else self
 
     def repeated(self, case_index: Indices) -> "HalfPlane":
         """The half-plane of cases, each with one of these materials and speeds; the tensors are those of this one."""
-        return _Repeated(self, case_index)
+        material = combined(lambda values: _taken(values, case_index), [self.material], self.material.name)
+        return HalfPlane(material, _taken(self.speed, case_index), (self, case_index))
 
     def of_cases(self, values: Array) -> Array:
         """Values of the distinct half-planes, (distinct, ...), for every case."""
-        return values
+        if self.shared is None:
+            return values
+        return np.moveaxis(_taken(np.moveaxis(values, 0, -1), self.shared[1]), -1, 0)  # cases contiguous
 
     @cached_property
     def inertia(self) -> Array:
@@ -75,9 +91,9 @@ class HalfPlane:
         order = np.lexsort((upper.real, -np.round(upper.imag, 9)), axis=-1)
         return np.take_along_axis(upper, order, -1)
 
-    @cached_property
-    def _barnett_lothe(self) -> tuple[Array, Array]:
-        """S L^-1 and L^-1, both (..., 4, 4), scaled as the Stroh matrix is.
+    @shared_by_cases
+    def _barnett_lothe(self) -> Array:
+        """S L^-1 and L^-1, scaled as the Stroh matrix is; (..., 2, 4, 4).
 
         ``[[S, H], [-L, S^T]]`` is the matrix function that maps the roots p to i sign(Im p). Newton's iteration
         X <- (mu X - (mu X)^-1) / 2 finds it without eigenvectors, so coalescing roots are no special case. The mirror
@@ -104,12 +120,12 @@ class HalfPlane:
         X[..., _EVEN[:, None], _ODD] = (back - np.linalg.inv(forth)) / 2
         S, L = X[..., :4, :4], -X[..., 4:, :4]
         L_inv = np.linalg.inv(L)
-        return S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2
+        return np.stack([S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2], -3)
 
     @cached_property
     def condition(self) -> Array:
         """Frobenius condition number of the scaled L; (...)."""
-        inverse = self._barnett_lothe[1]
+        inverse = self._barnett_lothe[..., 1, :, :]
         return np.asarray(
             np.linalg.norm(inverse, axis=(-2, -1)) * np.linalg.norm(np.linalg.inv(inverse), axis=(-2, -1))
         )
@@ -117,28 +133,27 @@ class HalfPlane:
     @property
     def surface_impedance(self) -> ComplexArray:
         """A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
-        local, nonlocal_ = self._barnett_lothe
-        return np.asarray(-local - 1j * nonlocal_)
+        return np.asarray(-self._barnett_lothe[..., 0, :, :] - 1j * self._barnett_lothe[..., 1, :, :])
 
     @property
     def _scales(self) -> Array:
         """Products of the scales of rows and columns; (..., 4, 4)."""
         return self.scale[..., :, None] * self.scale[..., None, :]
 
-    @cached_property
+    @shared_by_cases
     def compliance(self) -> Array:
         """N: L^-1 restricted to (u_y, phi, psi); (..., 3, 3), symmetric."""
-        return (self._barnett_lothe[1] * self._scales)[..., 1:, 1:]
+        return (self._barnett_lothe[..., 1, :, :] * self._scales)[..., 1:, 1:]
 
-    @cached_property
+    @shared_by_cases
     def friction_coupling(self) -> Array:
         """k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
-        return -(self._barnett_lothe[0] * self._scales)[..., 1:, 0]
+        return -(self._barnett_lothe[..., 0, :, :] * self._scales)[..., 1:, 0]
 
-    @cached_property
+    @shared_by_cases
     def tangential_compliance(self) -> Array:
         """(L^-1)_xx [1/Pa]; (...)."""
-        return (self._barnett_lothe[1] * self._scales)[..., 0, 0]
+        return (self._barnett_lothe[..., 1, :, :] * self._scales)[..., 0, 0]
 
     @cached_property
     def _in_plane(self) -> tuple[Array, Array]:
@@ -149,7 +164,7 @@ class HalfPlane:
         share = np.linalg.solve(T3, (h * scale)[..., None])[..., 0] * scale
         return m.c11 - dot(h, share), share
 
-    @cached_property
+    @shared_by_cases
     def in_plane_stiffness(self) -> Array:
         """c11 - h T3^-1 h [Pa]: sigma_xx per du_x/dx on a traction-free surface (theory section 5); (...)."""
         return self._in_plane[0]
@@ -174,55 +189,9 @@ class HalfPlane:
         return np.stack([np.stack([eps, g], -1), np.stack([g, mu], -1)], -2)
 
 
-class _Repeated(HalfPlane):
-    """The half-plane of cases that share distinct materials and speeds; constants of each case only where needed."""
-
-    def __init__(self, distinct: HalfPlane, case_index: Indices) -> None:
-        vars(self).update(_distinct=distinct, _case_index=case_index)
-
-    _distinct: HalfPlane
-    _case_index: Indices
-
-    @property
-    def distinct(self) -> HalfPlane:
-        return self._distinct
-
-    def of_cases(self, values: Array) -> Array:
-        return np.moveaxis(self._taken(np.moveaxis(values, 0, -1)), -1, 0)  # cases contiguous
-
-    def _taken(self, values: Array) -> Array:
-        """Values of each case along the last axis, which all distinct half-planes may share; (..., case)."""
-        is_shared = values.ndim == 0 or values.shape[-1] == 1
-        return values if is_shared else np.take(values, self._case_index, -1)
-
-    @cached_property
-    def material(self) -> Material:
-        return combined(self._taken, [self._distinct.material], self._distinct.material.name)
-
-    @cached_property
-    def speed(self) -> Array:
-        return self._taken(self._distinct.speed)
-
-    @cached_property
-    def _barnett_lothe(self) -> tuple[Array, Array]:
-        local, nonlocal_ = self._distinct._barnett_lothe
-        return self.of_cases(local), self.of_cases(nonlocal_)
-
-    @cached_property
-    def compliance(self) -> Array:
-        return self.of_cases(self._distinct.compliance)
-
-    @cached_property
-    def friction_coupling(self) -> Array:
-        return self.of_cases(self._distinct.friction_coupling)
-
-    @cached_property
-    def tangential_compliance(self) -> Array:
-        return self.of_cases(self._distinct.tangential_compliance)
-
-    @cached_property
-    def in_plane_stiffness(self) -> Array:
-        return self.of_cases(self._distinct.in_plane_stiffness)
+def _taken(values: Array, case_index: Indices) -> Array:
+    """Values of each case along the last axis, unless all share one; (..., case)."""
+    return values if values.ndim == 0 or values.shape[-1] == 1 else np.take(values, case_index, -1)
 
 
 def _norm(*blocks: NDArray[Any]) -> Array:

@@ -10,6 +10,7 @@ The strain of a body that is warm in one place only is left out.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -143,34 +144,27 @@ class HeatedStack:
         if not charge:
             return _EARLIEST
 
+        @cache
         def excess(log: float) -> float:
             heat_charge = abs(self.collected(self.warmed(spot, 10**log, leak), patch))
             return float(np.log(max(heat_charge, _LEAST * abs(charge)) / abs(charge)) + min(10**log / leak, 700.0))
 
-        low, high = np.log10(_EARLIEST), np.log10(_LATEST)
+        low, high = float(np.log10(_EARLIEST)), float(np.log10(_LATEST))
         if (self.weights >= 0).all() or (self.weights <= 0).all():  # the charge over that of the force only grows
-            middle = float(np.clip(np.log10(self._arrival), low, high))
+            first = last = float(np.clip(np.log10(self._arrival), low, high))
             step = 0.5
-            if excess(middle) > 0:
-                while middle > low and excess(max(middle - step, low)) > 0:
-                    middle, step = max(middle - step, low), 2 * step
-                ends = (max(middle - step, low), middle)
-            else:
-                while middle < high and excess(min(middle + step, high)) <= 0:
-                    middle, step = min(middle + step, high), 2 * step
-                ends = (middle, min(middle + step, high))
-            if ends[0] == ends[1]:
-                return np.inf if ends[0] == high else float(10**low)
-            return float(10 ** scipy.optimize.brentq(excess, *ends, xtol=1e-6))
-        logs = np.linspace(low, high, 1 + 12 * _PER_DECADE)
-        for before, log in pairwise(logs):
-            if excess(log) > 0:
-                return (
-                    float(10 ** scipy.optimize.brentq(excess, before, log, xtol=1e-6))
-                    if excess(before) <= 0
-                    else float(10**low)
-                )
-        return np.inf
+            while first > low and excess(first) > 0:
+                first, last, step = max(first - step, low), first, 2 * step
+            while last < high and excess(last) <= 0:
+                first, last, step = last, min(last + step, high), 2 * step
+        else:
+            logs = np.linspace(low, high, 1 + 12 * _PER_DECADE).tolist()
+            first, last = next((ends for ends in pairwise(logs) if excess(ends[1]) > 0), (high, high))
+        if excess(last) <= 0:
+            return np.inf
+        if excess(first) > 0:
+            return float(10**low)
+        return float(10 ** scipy.optimize.brentq(excess, first, last, xtol=1e-6))
 
     @property
     def _arrival(self) -> float:

@@ -139,12 +139,12 @@ class Basis:
         """H[w sum_j terms_j P_j] off the contact, at z as for :meth:`transforms`, of terms (pressures, c); (..., c)."""
 
         def near(z: Points) -> Points:
-            outside = self._outside(z)[..., None] * (self.pressure_factor(z) @ terms)
+            outside = self.outside(z)[..., None] * (self.pressure_factor(z) @ terms)
             return outside - self.local(z) @ terms
 
         return off_contact(z, self.terms, self.exponents, terms, near)
 
-    def _outside(self, z: Points) -> Points:
+    def outside(self, z: Points) -> Points:
         """(z - 1)^A (z + 1)^B / sin pi A off the contact."""
         A, B = self.exponents
         scale = self.gain / 2.0**self.order

@@ -73,21 +73,6 @@ class FilmContact:
         return self._extent[1]
 
     @property
-    def offset(self) -> Array:
-        """c = (a - b)/2 [m]."""
-        return self.half_width * self.centre
-
-    @property
-    def trailing(self) -> Array:
-        """a [m]: the trailing edge is x = a."""
-        return self.half_width * (1 + self.centre)
-
-    @property
-    def leading(self) -> Array:
-        """b [m]: the leading edge is x = -b."""
-        return self.half_width * (1 - self.centre)
-
-    @property
     def exponent(self) -> float:
         """Pressure exponent alpha, that of the top material's half-plane."""
         return 0.5 + self.table.system.coefficients.delta
@@ -128,23 +113,12 @@ class FilmContact:
         far = lowest(system.kernel.stack)[1:, 1:] / np.pi * body[..., None, None]
         return np.asarray(far + system.coefficients.punch[0] / np.pi * punch[..., None, None] * _NORMAL)
 
-    def _rise(self, *, by_centre: bool = False, by_width: bool = False) -> Array:
-        """Mean of g over the contact with weight (1 - X^2)^(3/2), or a derivative; units of the stack; (case,)."""
-        total = np.zeros_like(self.half_width)
-        for i in range(self.loading.slope.shape[-1]):
-            size = self.loading.slope[:, i] * self.half_width ** (i + 1)
-            if by_centre:
-                total = total + size * mean_power(self.centre, i)
-            else:
-                total = total + size * mean_power(self.centre, i + 1) / (1 if by_width else i + 1)
-        return total
-
     @cached_property
     def response(self) -> Array:
         """Depth [m], voltage [V] and magnetic potential [A] of the punch; (case, 3)."""
         displacement = self.half_width[:, None] * self.output(outputs.DISPLACEMENT)
         whole = displacement - dot(self.far, self.loading.loads[:, None, :])
-        whole[:, 0] = self._rise() - whole[:, 0]
+        whole[:, 0] = rise(self.loading.slope, self.half_width, self.centre)[:, 0] - whole[:, 0]
         return np.asarray(whole * self.scale[1:])
 
     @cached_property
@@ -215,8 +189,7 @@ class FilmContact:
         by_edges = np.empty((h.size, 3, 2))
         by_edges[..., 0] = h[:, None] * (_sum(read, causes.values) + _moved(read, rate, causes))
         by_edges[..., 1] = h[:, None] * _sum(read, causes.by_centre)
-        by_edges[:, 0, 0] -= self._rise(by_width=True)
-        by_edges[:, 0, 1] -= self._rise(by_centre=True)
+        by_edges[:, 0] -= rise(self.loading.slope, h, self.centre)[:, 1:]
         return jacobian, right, by_edges
 
     def _si(self, tangents: Array, loads: Array) -> Array:
@@ -246,7 +219,19 @@ def _moved(read: Array, rate: Array, causes: Causes) -> Array:
     return _sum(rate, causes.values) + _sum(read, causes.by_width)
 
 
-def mean_power(centre: Array, n: int) -> Array:
+def rise(slope: Array, half: Array, centre: Array) -> Array:
+    """Mean of g over the contact with weight (1 - X^2)^(3/2), and its derivatives in log h and c/h; (case, 3).
+
+    slope: (case, power), coefficients of g'.
+    """
+    result = np.zeros((half.size, 3))
+    for i, coefficient in enumerate(slope.T):
+        size, mean = coefficient * half ** (i + 1), _mean_power(centre, i + 1)
+        result += size[:, None] * np.stack([mean / (i + 1), mean, _mean_power(centre, i)], 1)
+    return result
+
+
+def _mean_power(centre: Array, n: int) -> Array:
     """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2) at c/h (case,), by Gauss's rule; (case,)."""
     X, weights = mean_rule(n // 2 + 4)
     return np.asarray((X + centre[:, None]) ** n @ weights)

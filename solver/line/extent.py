@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from approximation.arrays import blocks
-from solver.arrays import Array, dot, selected, stack
+from solver.arrays import Array, BoolArray, dot, selected, stack
 from solver.halfplane.pressing import ContactError, slopes
 from solver.halfplane.profile import Profile
 from solver.line.outputs import BALANCE, LOAD, PRESSURE
@@ -139,12 +139,10 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
     carried = load_at_nodes(table, loading)
     load, logs = loading.loads[:, :1], np.log(table.half_lengths)
     enough = carried >= load
-    changes = np.sum(enough[:, 1:] != enough[:, :-1], -1)
-    if np.any(changes > 1):
-        raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
+    require_one(enough)
     if np.any(enough[:, 0]):
         raise RangeError(_beyond(table, "narrower"))
-    if np.any(changes == 0):
+    if not np.all(enough[:, -1]):
         raise RangeError(_beyond(table, "wider"))
     upper = np.argmax(enough, -1)[:, None]
     low, high = (np.take_along_axis(carried, i, -1) for i in (upper - 1, upper))
@@ -156,6 +154,12 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
         balance = table.interval.read(log_half, table.series[:, BALANCE])
         return log_half, _centred(loading, half, balance), *bracket
     return log_half, _corner(loading, half), *bracket
+
+
+def require_one(enough: BoolArray) -> None:
+    """Refuse contacts of several lengths that carry the load: rising half-lengths that carry it (case, half-length)."""
+    if np.any(np.sum(enough[:, 1:] != enough[:, :-1], -1) > 1):
+        raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
 
 
 def load_at_nodes(table: Table, loading: Loading) -> Array:

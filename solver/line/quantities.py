@@ -34,10 +34,7 @@ def quantities(films: Films) -> dict[str, Array]:
     """
     films.require_one_length()
     h, gather = films.thickness, films.gather
-    out = {
-        "contact_trailing": h * gather(lambda c: c.trailing),
-        "contact_leading": h * gather(lambda c: c.leading),
-        "contact_offset": h * gather(lambda c: c.offset),
+    out = edges(h * gather(lambda c: c.half_width), gather(lambda c: c.centre)) | {
         "pressure_exponent": gather(lambda c: np.full(c.load.shape, c.exponent)),
         "depth": h * gather(lambda c: c.response[:, 0]),
     }
@@ -55,6 +52,15 @@ def quantities(films: Films) -> dict[str, Array]:
     if "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
     return out
+
+
+def edges(half: Array, centre: Array) -> dict[str, Array]:
+    """Edges of contacts of half-length h [m] and c/h: the trailing one is x = a, the leading one x = -b."""
+    return {
+        "contact_trailing": half * (1 + centre),
+        "contact_leading": half * (1 - centre),
+        "contact_offset": half * centre,
+    }
 
 
 def _peak_pressure(contact: FilmContact) -> Array:

@@ -19,8 +19,8 @@ from solver.halfplane.pressing import ContactError
 from solver.halfplane.profile import Profile
 from solver.halfplane.sliding import Sliding
 from solver.line.contact import FilmContact
-from solver.line.extent import Loading, load_at_nodes
-from solver.line.table import LengthsError, Table
+from solver.line.extent import Loading, load_at_nodes, require_one
+from solver.line.table import Table
 from solver.line.windows import FIRST, LAST, Kind, number_of, searched, window
 from solver.stack.electroded import met
 
@@ -86,7 +86,7 @@ class Films:
     def _beside(self, places: Indices, table: Table) -> Indices:
         """-1 or 1 where the half-length is below or above a table's, 0 where it is within."""
         enough = self._enough(places, table)
-        _require_one(enough)
+        require_one(enough)
         return np.where(enough[:, 0], -1, np.where(enough[:, -1], 0, 1))
 
     def _enough(self, places: Indices, table: Table) -> BoolArray:
@@ -109,7 +109,7 @@ class Films:
                 elsewhere = (rough.half_lengths * _APART < exact.lower) | (rough.half_lengths > exact.upper * _APART)
                 lengths.append(rough.half_lengths[elsewhere])
                 enough.append(self._enough(places, rough)[:, elsewhere])
-            _require_one(np.concatenate(enough, -1)[:, np.argsort(np.concatenate(lengths))])
+            require_one(np.concatenate(enough, -1)[:, np.argsort(np.concatenate(lengths))])
 
     @property
     def _guess(self) -> Array:
@@ -123,8 +123,3 @@ class Films:
             half = self.thickness
         ratio = np.broadcast_to(half / self.thickness, self.load.shape)
         return ratio if self.kind.base is not None else np.asarray(np.where(ratio > 1, ratio ** (2 / 3), ratio))
-
-
-def _require_one(enough: BoolArray) -> None:
-    if np.any(np.sum(enough[:, 1:] != enough[:, :-1], -1) > 1):
-        raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")

@@ -62,7 +62,8 @@ class Antiderivatives:
         for block in range(0, near.size, _PATH_POINTS):
             path = near[block : block + _PATH_POINTS] - _START
             line = _START + path[:, None] * LINE
-            columns.append(start + path * (self._first_transform(line) @ LINE_WEIGHTS))
+            transform = self.basis.outside(line) - self.basis.local(line)[..., 0]
+            columns.append(start + path * (transform @ LINE_WEIGHTS))
         out[~far] = np.concatenate(columns) if columns else 0
         return out
 
@@ -73,11 +74,6 @@ class Antiderivatives:
         orders = np.arange(1, _MOMENTS + 1)
         moments = weights @ S[:, None] ** orders / orders
         return np.asarray((z[:, None] ** -orders @ moments - self.basis.total * np.log(z / 1j)) / np.pi)
-
-    def _first_transform(self, z: ComplexArray) -> ComplexArray:
-        A, B = self.basis.exponents
-        whole = self.basis.gain / 2.0**self.basis.order * (z - 1) ** A * (z + 1) ** B
-        return np.asarray(whole - self.basis.local(z)[..., 0])
 
     def _others(self, z: ComplexArray, terms: Array) -> ComplexArray:
         """Sum of F_j, j >= 1; (point, c)."""

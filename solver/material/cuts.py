@@ -7,9 +7,11 @@ from Y by n degrees about X towards Z.
 """
 
 import re
+import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import scipy  # scipy.spatial, slow to import, and few jobs turn a crystal
 
 from solver.arrays import Array, is_finite, shown
 from solver.material.datasheet import piezo, transverse
@@ -47,8 +49,7 @@ def canonical(cut: object) -> str:
 
 def rotation(cut: str) -> Array:
     """Axes of the surface by rows, in those of the crystal; (3, 3). An empty cut is Z."""
-    first, second, third = np.radians(_angles(cut))
-    return _about_z(-third) @ _about_x(-second) @ _about_z(-first)
+    return np.asarray(scipy.spatial.transform.Rotation.from_euler("ZXZ", _angles(cut), degrees=True).as_matrix().T)
 
 
 def of_family(family: str, angle: float) -> str:
@@ -116,24 +117,11 @@ def _angles(cut: str) -> tuple[float, float, float]:
     return first, second, third
 
 
-def _angles_of(matrix: Array) -> tuple[float, float, float]:
+def _angles_of(matrix: Array) -> list[float]:
     """Euler angles of a rotation in degrees."""
-    tilt = np.arctan2(np.hypot(matrix[2, 0], matrix[2, 1]), matrix[2, 2])
-    if np.sin(tilt) < 1e-9:  # the axis is the normal, up or down, and the angles about both are one
-        first, third = np.arctan2(matrix[0, 1], matrix[0, 0]), 0.0
-    else:
-        first, third = np.arctan2(matrix[2, 0], -matrix[2, 1]), np.arctan2(matrix[0, 2], matrix[1, 2])
-    turned = np.degrees([first, tilt, third])
-    return float(turned[0]), float(turned[1]), float(turned[2])
-
-
-def _about_z(angle: float) -> Array:
-    """Rotation of vectors about the third axis; (3, 3)."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _about_x(angle: float) -> Array:
-    """Rotation of vectors about the first axis; (3, 3)."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # where the axis is the normal the angles about both are one
+        angles: list[float] = (
+            scipy.spatial.transform.Rotation.from_matrix(matrix.T).as_euler("ZXZ", degrees=True).tolist()
+        )
+    return angles

@@ -35,6 +35,10 @@ MATRICES: dict[str, tuple[tuple[int, int], str]] = {
     "eps": ((3, 3), "F m-1"),
 }
 ENTRIES = (*UNITS, *MATRICES, "order")
+#: Independent entries of each matrix of a transversely isotropic body, and their places in the order of IEEE.
+_ELASTIC = {"11": (0, 0), "12": (0, 1), "13": (0, 2), "33": (2, 2), "44": (3, 3)}
+_COUPLED = {"31": (2, 0), "33": (2, 2), "15": (0, 4)}
+_PLACES = {"c": _ELASTIC, "s": _ELASTIC, "e": _COUPLED, "d": _COUPLED, "eps": {"11": (0, 0), "33": (2, 2)}}
 
 #: Sizes that bare entries have in any material (see `usual`).
 _USUAL = {
@@ -79,10 +83,7 @@ def converted(mapping: Mapping[str, object]) -> dict[str, object]:
     sheet = {name for name in ENTRIES if name in mapping}
     if not sheet:
         return dict(mapping)
-    values = {name: _number(name, mapping[name]) for name in UNITS if name in mapping}
-    for name in ("c11", "c12", "c13", "c33", "c44", "e31", "e33", "e15", "eps11", "eps33"):
-        if name in mapping:
-            values[name] = _number(name, mapping[name])
+    values = {name: _number(name, mapping[name]) for name in (*UNITS, *_STRESS) if name in mapping}
     _check_relative(mapping)
     entries = _entries_of_matrices(mapping, values)
     if {"d", "s"} & mapping.keys():  # strain-charge form: the permittivity is that at constant stress
@@ -103,10 +104,9 @@ def converted(mapping: Mapping[str, object]) -> dict[str, object]:
     d = np.linalg.solve(c, e.T).T if np.any(e) and np.isfinite(c).all() else np.zeros((3, 6))
     clamped = {"11": free["11"] - d[0, 4] * e[0, 4], "33": free["33"] - d[2] @ e[2]}
     result = {name: value for name, value in mapping.items() if name not in ENTRIES}
-    stiffness = {"c11": c[0, 0], "c12": c[0, 1], "c13": c[0, 2], "c33": c[2, 2], "c44": c[3, 3]}
-    result |= {name: float(value) for name, value in stiffness.items() if name not in mapping and np.isfinite(value)}
-    coupling = {"e31": e[2, 0], "e33": e[2, 2], "e15": e[0, 4]}
-    result |= {name: float(value) for name, value in coupling.items() if name not in mapping and value}
+    stiffness, coupling = _singles("c", c), _singles("e", e)
+    result |= {name: value for name, value in stiffness.items() if name not in mapping and np.isfinite(value)}
+    result |= {name: value for name, value in coupling.items() if name not in mapping and value}
     for axis, value in clamped.items():
         if np.isfinite(value):
             if value <= 0:
@@ -120,22 +120,26 @@ def converted(mapping: Mapping[str, object]) -> dict[str, object]:
     return result
 
 
+def _singles(letter: str, matrix: Array) -> dict[str, float]:
+    """Single constants of a matrix by name, as ``c11``."""
+    return {f"{letter}{axes}": float(matrix[place]) for axes, place in _PLACES[letter].items()}
+
+
 def stress_matrices(values: Mapping[str, float]) -> tuple[Array, Array, Array]:
     """Return c (6, 6) [Pa], e (3, 6) [C/m2] and eps (3, 3) [F/m] of a material's constants by name."""
-    c = transverse(*(values[name] for name in ("c11", "c12", "c13", "c33", "c44")), stiffness=True)
+    c = transverse(*(values[f"c{axes}"] for axes in _PLACES["c"]), stiffness=True)
     e = piezo(values["e31"], values["e33"], values["e15"])
     return c, e, np.diag([values["eps11"], values["eps11"], values["eps33"]])
 
 
 def strain_charge(c: Array, e: Array, eps: Array) -> dict[str, float]:
     """Return s^E, d, free permittivities and coupling factors of 6 x 6 c [Pa], 3 x 6 e [C/m2], 3 x 3 eps [F/m]."""
-    s = np.linalg.inv(c)
-    d = e @ s
+    s = np.asarray(np.linalg.inv(c), dtype=np.float64)
+    d = np.asarray(e @ s)
     free = eps + d @ e.T
     stiffened = c[2, 2] + e[2, 2] ** 2 / eps[2, 2]
     return {
-        "s11": s[0, 0], "s12": s[0, 1], "s13": s[0, 2], "s33": s[2, 2], "s44": s[3, 3],
-        "d31": d[2, 0], "d33": d[2, 2], "d15": d[0, 4],
+        **_singles("s", s), **_singles("d", d),
         "eps_T11": free[0, 0], "eps_T33": free[2, 2],
         "eps_r11": free[0, 0] / VACUUM_PERMITTIVITY, "eps_r33": free[2, 2] / VACUUM_PERMITTIVITY,
         "k33": abs(d[2, 2]) / np.sqrt(s[2, 2] * free[2, 2]),
@@ -293,23 +297,14 @@ def _entries_of_matrices(mapping: Mapping[str, object], values: Mapping[str, flo
     if not (isinstance(order, str) and order.lower() in ("ieee", "abaqus")):
         raise ValueError(f"order: {order!r} must be IEEE (11 22 33 23 13 12) or Abaqus (11 22 33 12 13 23)")
     turn = _ABAQUS if order.lower() == "abaqus" else list(range(6))
-    names = {
-        "c": {"c11": (0, 0), "c12": (0, 1), "c13": (0, 2), "c33": (2, 2), "c44": (3, 3)},
-        "s": {"s11": (0, 0), "s12": (0, 1), "s13": (0, 2), "s33": (2, 2), "s44": (3, 3)},
-        "e": {"e31": (2, 0), "e33": (2, 2), "e15": (0, 4)},
-        "d": {"d31": (2, 0), "d33": (2, 2), "d15": (0, 4)},
-        "eps": {"eps11": (0, 0), "eps33": (2, 2)},
-    }
     entries: dict[str, float] = {}
-    for name, places in names.items():
-        if name not in mapping:
-            continue
+    for name in (name for name in MATRICES if name in mapping):
         matrix = _matrix(name, mapping[name])
         if name in "cs":
             matrix = matrix[np.ix_(turn, turn)]
         elif name in "ed":
             matrix = matrix[:, turn]
-        singles = {entry: float(matrix[place]) for entry, place in places.items()}
+        singles = _singles(name, matrix)
         _check_symmetry(name, matrix, singles, turn)
         if double := sorted(singles.keys() & values.keys()):
             raise ValueError(f"{name} and {double[0]}: two forms of the same constants; keep one")

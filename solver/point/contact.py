@@ -8,9 +8,9 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.point.body import Film, HalfSpace, PointLoading
-from solver.point.profile import SAMPLES, climbed, halfspace_form, halfspace_peak
+from solver.point.profile import SAMPLES, halfspace_form, halfspace_peak, highest_pressure
 from solver.point.state import PressedState
-from solver.point.table import PointWindow
+from solver.point.system import added_forms
 from solver.stack.electrodes import Reading
 
 
@@ -128,26 +128,16 @@ class PointContact:
         return np.asarray(over_unit * self.size / self.radius / self.pressed.units[:, 0])
 
     def _peak_on(self, film: Film, per_form: Array) -> Array:
-        """Largest pressure over C a^(e-1) on a film, at the centre or climbed to; (case,)."""
-        causes, form = self.state.causes, halfspace_form(film.shape, SAMPLES)
-        added = film.gathered(self.radius, lambda table, log_ratio, places: table.pressures(log_ratio, causes[places]))
-        values = per_form[:, None] * form + added
-        best = np.argmax(values, -1)
-        largest = values[np.arange(best.size), best]
-        off_centre = np.flatnonzero(best < SAMPLES.size - 1)
-        for places, table, log_ratio in film.part(off_centre).windows(self.radius[off_centre]):
-            cases = off_centre[places]
-            largest[cases] = _climbed(
-                table, table.tractions(log_ratio, causes[cases])[:, 0], per_form[cases], best[cases]
-            )
-        return np.asarray(largest)
+        """Largest pressure over C a^(e-1) on a film; (case,)."""
+        largest = np.empty_like(self.radius)
+        for places, table, log_ratio in film.windows(self.radius):
+            closed, series = per_form[places], table.tractions(log_ratio, self.state.causes[places])[:, 0]
+            count = series.shape[-1]
 
+            def pressure(x: Array, cases: Indices, closed: Array = closed, series: Array = series) -> Array:
+                added = np.sum(series[cases] * added_forms(x, series.shape[-1]), -1)
+                return np.asarray(closed[cases] * halfspace_form(film.shape, x) - added)
 
-def _climbed(table: PointWindow, series: Array, per_form: Array, best: Indices) -> Array:
-    """Largest pressure over C a^(e-1) around the best of ``SAMPLES``, of layers' coefficients (case, n); (case,)."""
-
-    def pressure(x: Array, cases: Indices) -> Array:
-        added = np.sum(series[cases] * table.terms.forms(x), -1)
-        return np.asarray(per_form[cases] * halfspace_form(table.kind.shape, x) - added)
-
-    return climbed(pressure, best)
+            samples = closed[:, None] * halfspace_form(film.shape, SAMPLES) - series @ added_forms(SAMPLES, count).T
+            largest[places] = highest_pressure(samples, pressure)
+        return largest

@@ -21,13 +21,11 @@ from solver.point.body import Film
 from solver.point.contact import PointContact
 from solver.point.hankel import even_orders
 from solver.point.sliding import Rubbed
-from solver.point.surface import BelowPunch
 from solver.point.system import halfspace_terms
 from solver.point.table import PointWindow
 from solver.point.tractions import Tractions
 from solver.stack.electrodes import DISC, STRIP, Electrode, Reading, transfers
 
-_PHASE = 8.0  # phase of a wave over a panel of densities
 _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once: bounded memory
 
 
@@ -71,7 +69,6 @@ class _OfPoint(Collected):
             count = max(count, int(np.max(self.radius) * self.k[-1] / 2) + 12)
         self.terms = np.einsum("ind,cd->cin", halfspace_terms(film.kind.compliance, shape, count), causes)
         self.terms[..., : added.shape[-1]] += added
-        self.tractions = BelowPunch(contact, places, added)
 
     def _pressure(self) -> Array:
         pressure = self._integrated(1, lambda cases, k: k / (2 * np.pi) * np.ones((cases.size, 1)))
@@ -87,7 +84,7 @@ class _OfPoint(Collected):
     def _turned(self, rubbed: Tractions, distance: Array) -> Array:
         """Charges [C] that friction adds to patches at distances, odd in these; (case,)."""
         charge = np.zeros_like(distance)
-        nodes = hankel.nodes(parts=int(np.max(self.radius) * self.k[-1] / _PHASE) + 4, kinked=True)
+        nodes = hankel.nodes(parts=hankel.parts(np.max(self.radius) * self.k), kinked=True)
         for cases, waves in self._blocks(nodes.b.size):
             turned = rubbed.vectors(nodes.b, cases)[1]
             if turned is None:

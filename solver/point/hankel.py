@@ -26,13 +26,13 @@ _SMALL = 0.1  # argument below which series avoid cancellation
 _VALUES_AT_ONCE = 400_000  # values of all orders held at once
 
 
-def even_orders(z: Array, count: int, odd: int = 0) -> Array:
-    """Return j_2n(z), or j_(2n+1)(z) with ``odd`` = 1, for n = 0 .. count - 1 at z > 0; (count, ...)."""
+def even_orders(z: Array, count: int) -> Array:
+    """Return j_2n(z) for n = 0 .. count - 1 at z > 0; (count, ...)."""
     flat = z.ravel()
     orders: Array = np.empty((count, flat.size))
     step = max(_VALUES_AT_ONCE // (2 * count), 1)
     for block in blocks(flat.size, step):
-        orders[:, block] = _orders(flat[block], 2 * count - 2 + odd)[odd::2]
+        orders[:, block] = _orders(flat[block], 2 * count - 2)[::2]
     return orders.reshape(count, *z.shape)
 
 

@@ -97,24 +97,25 @@ def _form(e: float, x: Array, r: Array) -> Array:
 @cached
 def halfspace_peak(shape: Shape) -> float:
     """Largest value of ``halfspace_form``: at the centre up to the exponent 2, towards the edge above."""
-    values = halfspace_form(shape, SAMPLES)
-    best = int(np.argmax(values))
-    if best == SAMPLES.size - 1:
-        return float(values[best])
-    return float(climbed(lambda x, _: halfspace_form(shape, x), np.array([best]))[0])
+    return float(highest_pressure(halfspace_form(shape, SAMPLES)[None], lambda x, _: halfspace_form(shape, x))[0])
 
 
-def climbed(values: Callable[[Array, Indices], Array], best: Indices) -> Array:
-    """Largest of values of cases that rise and then fall around the best of ``SAMPLES``, not the last; (case,).
+def highest_pressure(samples: Array, pressure: Callable[[Array, Indices], Array]) -> Array:
+    """Largest pressures of cases, from those at ``SAMPLES``, (case, sample), climbed to but at the centre; (case,).
 
-    ``values`` returns those at places of some of the cases, (n,), and these cases, (n,).
+    ``pressure`` returns those at places x of some of the cases, (n,), and these cases, (n,).
     """
-    from scipy.optimize import elementwise  # slow to import, and most cases are largest at the centre
+    best, largest = np.argmax(samples, 1), np.max(samples, 1)
+    hills = np.flatnonzero(best < SAMPLES.size - 1)
+    if hills.size:
+        from scipy.optimize import elementwise  # slow to import, and most cases are largest at the centre
 
-    def below(x: Array, case: NDArray[Any]) -> Array:
-        return -values(x, case.astype(np.intp))
+        middle = best[hills]
+        bracket = np.where(middle > 0, SAMPLES[middle - 1], 0.0), SAMPLES[middle], SAMPLES[middle + 1]
 
-    cases = np.arange(best.size)
-    bracket = np.where(best > 0, SAMPLES[best - 1], 0.0), SAMPLES[best], SAMPLES[best + 1]
-    minimum = elementwise.find_minimum(below, bracket, args=(cases,))
-    return np.asarray(np.fmax(-minimum.f_x, values(SAMPLES[best], cases)))
+        def below(x: Array, case: NDArray[Any]) -> Array:
+            return -pressure(x, case.astype(np.intp))
+
+        minimum = elementwise.find_minimum(below, bracket, args=(hills,))
+        largest[hills] = np.fmax(-minimum.f_x, largest[hills])
+    return np.asarray(largest)

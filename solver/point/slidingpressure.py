@@ -25,6 +25,7 @@ from solver.point.contact import Friction, PointContact
 from solver.point.friction import Response, legendre_rates
 from solver.point.profile import Shape, halfspace_form
 from solver.point.slidingtable import SlidingWindow, sliding_window
+from solver.point.system import added_forms
 from solver.point.tractions import Density, second_kind_rates, turned_form_rates
 
 _COUNT = 20  # points of a panel
@@ -166,7 +167,8 @@ def _pressures(contact: PointContact, friction: Friction, cases: Indices) -> tup
     turned = np.empty_like(middle)
     for places, window, log_ratio in body.part(cases).windows(contact.radius[cases]):
         causes = contact.state.causes[cases[places]]
-        middle[places] -= window.tractions(log_ratio, causes)[:, 0] @ window.terms.forms(ray.x).T
+        added = window.tractions(log_ratio, causes)[:, 0]
+        middle[places] -= added @ added_forms(ray.x, added.shape[-1]).T
         series = _turned_series(sliding_window(window.kind, window.number, friction.punch))
         turned[places] = window.interval.read(log_ratio, series, causes[:, 1:])
     return middle, eta * turned

@@ -51,19 +51,16 @@ class SlidingWindow:
         """Shift c/a and Legendre coefficients per (V, Psi, g) and eta, at the nodes; (node, 3, 1 + 3 n)."""
         kind = self.window.kind
         stack, radii = kind.film.stack(), np.exp(self.window.nodes)
-        causes_and_radii = [(self._causes(number), a) for number, a in enumerate(radii.tolist())]
         k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
-        conducts = np.array([True, *kind.conducts])
-        multiplier = difference(stack, k)
-        layers = Layers(
-            k,
-            weights,
-            np.where(conducts[:, None] & conducts, multiplier[:, 1:, 1:], 0.0),
-            np.where(conducts, multiplier[:, 1:, 0], 0.0),
-        )
+        conducts, multiplier = np.array([True, *kind.conducts]), difference(stack, k)
+        normal = np.where(conducts[:, None] & conducts, multiplier[:, 1:, 1:], 0.0)
+        along = np.where(conducts, multiplier[:, 1:, 0], 0.0)
         reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
         count = _FIRST + int(_PER_ROOT * np.sqrt(reach))
-        return np.array([layers.solved(self.response, causes, a, count) for causes, a in causes_and_radii])
+        return np.array([
+            _solution(self.response, self._causes(number), k * a, weights * a, normal, along, count)
+            for number, a in enumerate(radii.tolist())
+        ])  # fmt: skip
 
     @property
     def solutions(self) -> Iterator[tuple[Density, Array, Array]]:
@@ -96,8 +93,14 @@ class SlidingWindow:
         inside, rows, rim = Inside(kind.film.stack()), ("stress_xx",), np.ones(1)
         stresses = []
         for number, ratio in enumerate(np.exp(nodes).tolist()):
-            density = self._causes(number)
-            ratios, sines = np.full(3, ratio), _Slid(self.response, density, self._solved[number])
+            density, ratios, solved = self._causes(number), np.full(3, ratio), self._solved[number]
+
+            def sines(b: Array, columns: Indices, density: Density = density, solved: Array = solved) -> Array:
+                """Density psi per eta; (column, 3, b)."""
+                series = solved[columns, 1:].reshape(columns.size, 3, -1)
+                closed = self.response.closed(density.part(columns).turned(b)[:, 0], b, solved[columns, 0])
+                return np.asarray(closed + series @ legendre(b, series.shape[-1]).T)
+
             plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), rim, rows)[:, 0, 0]
             slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), rim, rows)[:, 0, 0]
             stresses.append([plain, slid - plain])
@@ -108,55 +111,36 @@ class SlidingWindow:
         return self.window.interval.read(log_radius, self._tensions)
 
 
-@dataclass(frozen=True, eq=False)
-class _Slid:
-    """Density psi of causes from their solutions, per eta."""
+def _solution(
+    response: Response, causes: Density, phases: Array, weights: Array, normal: Array, along: Array, count: int
+) -> Array:
+    """Shift c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count).
 
-    response: Response
-    causes: Density
-    solved: Array  # c/a and Legendre coefficients; (cause, 1 + 3 n)
+    phases, weights: (k,), ka and the weights of integrals over it; normal, along: (k, 3, 3) and (k, 3), Delta over
+    (y, phi, psi), and of these to the traction along x.
+    """
+    gauss, gauss_weights = legendre_rule(count)
+    b, rule = (1 + gauss) / 2, gauss_weights / 2
+    sines = np.sin(phases[:, None] * b)
+    shares = 2 / np.pi * weights
+    local = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
+    kernel = np.einsum("km,kn,kij->imjn", sines, sines * shares[:, None], normal, optimize=True) * rule
+    system = (local + kernel).reshape(3 * count, 3 * count)
 
-    def __call__(self, b: Array, columns: Indices) -> Array:
-        """Density psi; (column, 3, b)."""
-        series = self.solved[columns, 1:].reshape(columns.size, 3, -1)
-        closed = self.response.closed(self.causes.part(columns).turned(b)[:, 0], b, self.solved[columns, 0])
-        return np.asarray(closed + series @ legendre(b, series.shape[-1]).T)
-
-
-@dataclass(frozen=True, eq=False)
-class Layers:
-    """Layers' contribution to the half-space of the top, at wavenumbers."""
-
-    k: Array  # Wavenumbers; (k,)
-    weights: Array  # Weights of integrals over k; (k,)
-    normal: Array  # Delta over (y, phi, psi); (k, 3, 3)
-    along: Array  # Delta of these to the traction along x; (k, 3)
-
-    def solved(self, response: Response, causes: Density, radius: float, count: int) -> Array:
-        """Shift c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count)."""
-        phases = self.k * radius
-        gauss, gauss_weights = legendre_rule(count)
-        b, weights = (1 + gauss) / 2, gauss_weights / 2
-        sines = np.sin(phases[:, None] * b)
-        shares = 2 / np.pi * self.weights * radius
-        local = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
-        kernel = np.einsum("km,kn,kij->imjn", sines, sines * shares[:, None], self.normal, optimize=True) * weights
-        system = (local + kernel).reshape(3 * count, 3 * count)
-
-        fine = hankel.nodes(parts=int(np.max(phases) / 8) + 4, kinked=True)
-        turned = causes.turned(fine.b)[:, 0]
-        free = response.closed(turned, fine.b, np.zeros(len(turned)))
-        moved = response.closed(np.zeros((1, fine.b.size)), fine.b, np.ones(1))
-        waved = np.sin(phases[:, None] * fine.b) * fine.weights
-        carried = np.einsum("kij,kb,cjb->ick", self.normal, waved, np.concatenate([free, moved]), optimize=True)
-        pushed = np.einsum(
-            "kb,cb->ck", np.cos(phases[:, None] * fine.b) * fine.weights, causes.at(fine.b)[:, 0], optimize=True
-        )
-        carried[:, :-1] -= self.along.T[:, None] * pushed
-        right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
-        values = np.linalg.solve(system, right.reshape(3 * count, -1)).reshape(3, count, -1)
-        series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * weights) @ values  # (3, n, cause)
-        return response.settled(causes.turned(_EDGE)[:, 0, 0], series, np.sum(series[0], 0))  # P_n(1) = 1
+    fine = hankel.nodes(parts=hankel.parts(phases), kinked=True)
+    turned = causes.turned(fine.b)[:, 0]
+    free = response.closed(turned, fine.b, np.zeros(len(turned)))
+    moved = response.closed(np.zeros((1, fine.b.size)), fine.b, np.ones(1))
+    waved = np.sin(phases[:, None] * fine.b) * fine.weights
+    carried = np.einsum("kij,kb,cjb->ick", normal, waved, np.concatenate([free, moved]), optimize=True)
+    pushed = np.einsum(
+        "kb,cb->ck", np.cos(phases[:, None] * fine.b) * fine.weights, causes.at(fine.b)[:, 0], optimize=True
+    )
+    carried[:, :-1] -= along.T[:, None] * pushed
+    right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
+    values = np.linalg.solve(system, right.reshape(3 * count, -1)).reshape(3, count, -1)
+    series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * rule) @ values  # (3, n, cause)
+    return response.settled(causes.turned(_EDGE)[:, 0, 0], series, np.sum(series[0], 0))  # P_n(1) = 1
 
 
 @cached

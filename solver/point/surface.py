@@ -22,7 +22,7 @@ from solver.point.friction import Rim
 from solver.point.inside import Inside
 from solver.point.profile import finite, halfspace_form
 from solver.point.system import added_forms, added_means
-from solver.point.table import PointKind, PointWindow, window
+from solver.point.table import PointKind, window
 from solver.point.tractions import Tractions
 
 _STRESSES = ("stress_xx", "stress_zz")
@@ -61,11 +61,6 @@ class Along:
     positions: Array  # r/a with a sign; (position,)
 
     @property
-    def _inside(self) -> Array:
-        """Return 1 below the punch, 0 outside; (position,)."""
-        return np.where(np.abs(self.positions) < 1, 1.0, 0.0)
-
-    @property
     def _x(self) -> Array:
         """Return sqrt(1 - r^2/a^2) below the punch, 0 outside; (position,)."""
         return np.sqrt(np.maximum((1 - self.positions) * (1 + self.positions), 0.0))
@@ -89,20 +84,21 @@ class Along:
 
     def tractions(self) -> Array:
         """Tractions sigma_yy, D_y, B_y [Pa, C m-2, T]; (case, 3, position)."""
-        below = np.flatnonzero(self._inside)
+        below = np.flatnonzero(np.abs(self.positions) < 1)
         strength, x = self.contact.state.strengths[..., None], self._x[below]
         tractions = np.zeros((*strength.shape[:-1], self.positions.size))
         tractions[..., below] = strength / x + self._per_form * self._form()[below]
-        for places, table, series in self._layers():
-            tractions[places[:, None, None], np.arange(3)[:, None], below] += series @ table.terms.forms(x).T
+        for places, series in self._layers():
+            forms = added_forms(x, series.shape[-1])
+            tractions[places[:, None, None], np.arange(3)[:, None], below] += series @ forms.T
         return np.asarray(tractions * self._units)
 
-    def _layers(self) -> Iterator[tuple[Indices, PointWindow, Array]]:
-        """Yield cases, their window and the layers' coefficients, whose strength is in the half-space's part."""
+    def _layers(self) -> Iterator[tuple[Indices, Array]]:
+        """Yield cases and their layers' coefficients, whose strength is in the half-space's part."""
         contact = self.contact
         if isinstance(film := contact.pressed.body, Film):
             for places, table, log_ratio in film.windows(contact.radius):
-                yield places, table, table.tractions(log_ratio, contact.state.causes[places])
+                yield places, table.tractions(log_ratio, contact.state.causes[places])
 
     def means(self) -> Array:
         """Return int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position)."""
@@ -111,7 +107,7 @@ class Along:
         form = (self.contact.pressed.body.shape.rise * e * within + self._form()) / (e + 1)
         beyond = 1 / np.maximum(np.abs(self.positions), 1.0) ** 2
         means = self.contact.state.strengths[..., None] * within + self._per_form * form
-        for places, _, series in self._layers():
+        for places, series in self._layers():
             means[places] += series @ added_means(x, series.shape[-1]).T
         return np.asarray(means * beyond * self._units)
 
@@ -143,22 +139,3 @@ def surface_fields(pressed: Pressed, positions: Array, rim: Rim | None = None) -
         name: halfspace_stress + added[:, number]
         for number, (name, halfspace_stress) in enumerate(along.stresses(rim).items())
     }
-
-
-@dataclass(frozen=True, eq=False)
-class BelowPunch:
-    """Tractions of some cases below the punch, each at its own places."""
-
-    contact: PointContact
-    cases: Indices  # Indices among the contacts
-    series: Array  # Layers' coefficients; (case, 3, n)
-
-    def at(self, chosen: Indices, r: Array) -> Array:
-        """Tractions (sigma_yy, D_y, B_y) over C a^(e-1) of some cases at r/a <= 1, (case, place); (case, 3, place)."""
-        shape, state, cases = self.contact.pressed.body.shape, self.contact.state, self.cases[chosen]
-        x = np.sqrt(np.maximum((1 - r) * (1 + r), 1e-32))
-        compliance = np.broadcast_to(state.stiffness.compliance, (self.contact.radius.size, 3, 3))[cases]
-        form = np.zeros_like(r) if shape.flat else halfspace_form(shape, x, r)
-        closed = -2 / np.pi * np.linalg.inv(compliance)[..., :, :1] * form[:, None]
-        added = np.einsum("cin,crn->cir", self.series[chosen], added_forms(x, self.series.shape[-1]))
-        return np.asarray(state.strengths[cases, :, None] / x[:, None] + closed + added)

@@ -12,9 +12,6 @@ magnetic field the flux leaves sideways: psi is then a logarithm far away, and z
 thickness.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
-
 import numpy as np
 
 from solver.arrays import Array
@@ -30,7 +27,7 @@ _SIZES, _ROWS = 2, 36  # groups of radii per octave; rows of symmetric products 
 _ROUNDING, _DECAY_STEPS = 44.0, 6  # exponent of a value below rounding; steps of the fixed-point iteration for it
 
 
-def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
+def interactions(stack: Stack, radii: Array, count: int) -> Array:
     """Return K of a stack at radii [m] in the units of the stack; (radius, 3, 3, count, count)."""
     K: Array = np.zeros((radii.size, 3, 3, count, count))
     width = strip(stack)
@@ -43,10 +40,10 @@ def interactions(stack: Stack, radii: Array, count: int, odd: int = 0) -> Array:
         step = max(_VALUES_AT_ONCE // (count * k.size), 1)
         for start in range(0, same_size.size, step):
             block = same_size[start : start + step]
-            orders = np.moveaxis(even_orders(radii[block, None] * k, count, odd), 0, 1)  # (radius, n, k)
+            orders = np.moveaxis(even_orders(radii[block, None] * k, count), 0, 1)  # (radius, n, k)
             for i, j in _coupled(added):
                 K[block, i, j] = K[block, j, i] = _products(orders, added[i, j])
-        if not odd and (spread := sideways(stack)):
+        if spread := sideways(stack):
             K[same_size, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
     return np.asarray(K * radii[:, None, None, None, None])
 
@@ -109,39 +106,14 @@ def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
     return terms
 
 
-@dataclass(frozen=True, eq=False)
-class Added:
-    """Coefficients that layers and base add to those of the half-space."""
+def added_terms(compliance: Array, interactions: Array, shape: Shape) -> Array:
+    """Coefficients a c that layers and base add to those of the half-space of N (3, 3); (radius, 3, n, 4).
 
-    compliance: Array  # N of the contact; (3, 3)
-    interactions: Array  # K at the radii; (radius, 3, 3, n, n)
-    shape: Shape
-
-    @cached_property
-    def halfspace(self) -> Array:
-        """Coefficients a c of the half-space, for u0 in each channel and g = (r/a)^exponent; (3, n, 4)."""
-        return halfspace_terms(self.compliance, self.shape, self.interactions.shape[-1])
-
-    @property
-    def loads(self) -> Array:
-        """Share of each coefficient in a load over 2 pi; (n,)."""
-        return np.asarray(np.eye(self.interactions.shape[-1])[0])
-
-    @property
-    def edges(self) -> Array:
-        """Share of each coefficient in the strength at the edge; (n,)."""
-        return np.asarray((-1.0) ** np.arange(self.interactions.shape[-1]))
-
-    def forms(self, x: Array) -> Array:
-        """Traction less its strength over x per coefficient, at x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
-        return added_forms(x, self.interactions.shape[-1])
-
-    @cached_property
-    def coefficients(self) -> Array:
-        """Coefficients a c without the half-space's; (radius, 3, n, 4)."""
-        count = self.interactions.shape[-1]
-        local = np.einsum("ij,mn->imjn", self.compliance, np.diag(np.pi / 2 / (4 * np.arange(count) + 1)))
-        coupling = np.moveaxis(self.interactions, 2, 3).reshape(-1, 3 * count, 3 * count)
-        right = -coupling @ self.halfspace.reshape(3 * count, 4)
-        solved = np.linalg.solve(local.reshape(3 * count, 3 * count) + coupling, right)
-        return np.asarray(solved.reshape(-1, 3, count, 4))
+    interactions: K at the radii, (radius, 3, 3, n, n).
+    """
+    count = interactions.shape[-1]
+    local = np.einsum("ij,mn->imjn", compliance, np.diag(np.pi / 2 / (4 * np.arange(count) + 1)))
+    coupling = np.moveaxis(interactions, 2, 3).reshape(-1, 3 * count, 3 * count)
+    right = -coupling @ halfspace_terms(compliance, shape, count).reshape(3 * count, 4)
+    solved = np.linalg.solve(local.reshape(3 * count, 3 * count) + coupling, right)
+    return np.asarray(solved.reshape(-1, 3, count, 4))

@@ -16,9 +16,9 @@ from solver.arrays import Array
 from solver.cache import cached
 from solver.line.table import LEAST, MOST
 from solver.line.windows import Kind
-from solver.point.profile import SAMPLES, Shape
+from solver.point.profile import Shape
 from solver.point.state import PressedState, Stiffness, conducted, halfspace
-from solver.point.system import Added, interactions
+from solver.point.system import added_terms, interactions
 from solver.point.tractions import Density
 from solver.stack.electroded import surface
 
@@ -79,17 +79,11 @@ class PointWindow:
         return self.interval.points
 
     @cached_property
-    def terms(self) -> Added:
-        """Legendre coefficients of the layers' contribution to the tractions at the nodes."""
-        kind = self.kind
-        return Added(
-            kind.compliance, _masked(_kernel(kind.film, self.number, kind.shape.exponent % 2 == 0), kind), kind.shape
-        )
-
-    @property
     def added(self) -> Array:
-        """Coefficients that the layers add, at the nodes; (node, 3, n, 4)."""
-        return self.terms.coefficients
+        """Legendre coefficients of the layers' contribution to the tractions at the nodes; (node, 3, n, 4)."""
+        kind = self.kind
+        kernel = _kernel(kind.film, self.number, kind.shape.exponent % 2 == 0)
+        return added_terms(kind.compliance, _masked(kernel, kind), kind.shape)
 
     @cached_property
     def edges(self) -> Array:
@@ -105,22 +99,20 @@ class PointWindow:
 
     @cached_property
     def _series(self) -> Array:
-        """Chebyshev coefficients of loads, edge strengths and pressures at samples; (node, output)."""
-        terms, added = self.terms, self.added
-        loads = 2 * np.pi * np.einsum("aind,n->aid", added, terms.loads)
-        edges = np.einsum("aind,n->aid", added, terms.edges)
-        pressures = -np.einsum("and,sn->asd", added[:, 0], terms.forms(SAMPLES))
-        flat = np.concatenate([part.reshape(len(added), -1) for part in (loads, edges, pressures)], -1)
-        return coefficients(flat)
+        """Chebyshev coefficients of loads, edge strengths and the latter's derivatives in log a; (node, 3, 3, 4)."""
+        signs = (-1.0) ** np.arange(self.added.shape[2])
+        loads, edges = 2 * np.pi * self.added[:, :, 0], np.einsum("aind,n->aid", self.added, signs)
+        series = coefficients(np.stack([loads, edges], 1))
+        return np.concatenate([series, self.interval.derived(series[:, 1:])], 1)
 
     @cached_property
-    def _read(self) -> Array:
-        """Chebyshev coefficients of loads, edge strengths and the latter's derivatives in log a; (node, 36)."""
-        return np.concatenate([self._series[:, :24], self.interval.derived(self._series[:, 12:24])], -1)
+    def _added_series(self) -> Array:
+        """Chebyshev coefficients of ``added``; (node, 3, n, 4)."""
+        return coefficients(self.added)
 
     def read(self, log_radius: Array) -> Array:
         """Layers' contribution to loads, edges and their rates, at radii within the window; (case, 3, 3, 4)."""
-        return self.interval.read(log_radius, self._read).reshape(-1, 3, 3, 4)
+        return self.interval.read(log_radius, self._series)
 
     @property
     def rungs(self) -> Array:
@@ -147,13 +139,9 @@ class PointWindow:
             series_of[held] = series, self.interval.derived(series)
         return series_of
 
-    def pressures(self, log_radius: Array, causes: Array) -> Array:
-        """Layers' contribution to the pressure at ``SAMPLES`` of causes (u0, g), (case, 4); (case, sample)."""
-        return self.interval.read(log_radius, self._series[:, 24:].reshape(-1, SAMPLES.size, 4), causes)
-
     def tractions(self, log_radius: Array, causes: Array) -> Array:
         """Layers' coefficients of the tractions of causes (u0, g), (case, 4), times a; (case, 3, n)."""
-        return self.interval.read(log_radius, coefficients(self.added), causes)
+        return self.interval.read(log_radius, self._added_series, causes)
 
 
 def interval(number: int, count: int | None = None) -> Interval:

@@ -47,18 +47,18 @@ class Density:
 
     def at(self, b: Array) -> Array:
         """Density phi at b, (b,) from 0 to 1; (column, 3, b)."""
-        closed = self.strengths[..., None] + self._rise * self.form[..., None] * (1 - self._power(b))
+        closed = self.strengths[..., None] + self.shape.rise * self.form[..., None] * (1 - b**self.shape.exponent)
         legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
-        return np.asarray(closed + self._signed @ (legendre - 1).T)
+        return np.asarray(closed + self.signed @ (legendre - 1).T)
 
     def falling(self, b: Array) -> Array:
         """Return -d phi / db; (column, 3, b)."""
         e, count = self.shape.exponent, self._count
-        closed = 0.0 if self.shape.flat else self._rise * e * self.form[..., None] * b ** (e - 1)
+        closed = self.shape.rise * e * self.form[..., None] * b ** (e - 1)
         if not count:
             return np.asarray(closed + np.zeros((1, 1, b.size)))
         legendre = np.zeros((*self.series.shape[:2], 2 * count - 1))
-        legendre[..., ::2] = self._signed
+        legendre[..., ::2] = self.signed
         derived = np.polynomial.legendre.legder(legendre, axis=-1) if count > 1 else np.zeros((*legendre.shape[:2], 1))
         return np.asarray(closed - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
 
@@ -68,11 +68,13 @@ class Density:
         The transform of the strengths has a logarithm at the edge. It is added below a disc alone: the pressure of
         other punches has no strength.
         """
-        steep = np.arctanh(np.minimum(b, 1 - 1e-16))
+        steep, e = np.arctanh(np.minimum(b, 1 - 1e-16)), self.shape.exponent
         if self.shape.flat:
-            return np.asarray((2 / np.pi) * (self.strengths[..., None] * steep + self._turned_series(b, steep)))
-        closed = self._rise * self.form[..., None] * (2 / np.pi) * self._turned_form(b, steep)
-        return np.asarray(closed + (2 / np.pi) * self._turned_series(b, steep))
+            closed = self.strengths[..., None] * steep
+        else:  # b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds of the form
+            turned = (1 - b**e) * steep + b ** (e - 1) * _stretched(e, b)
+            closed = self.shape.rise * self.form[..., None] * turned
+        return np.asarray((2 / np.pi) * (closed + self._turned_series(b, steep)))
 
     def _turned_series(self, b: Array, steep: Array) -> Array:
         """Hilbert transform of the layers' contribution times pi/2; (column, 3, b)."""
@@ -85,35 +87,17 @@ class Density:
             for n in range(1, degree):
                 D[n + 1] = ((2 * n + 1) * b * D[n] - n * D[n - 1]) / (n + 1)
             legendre = (P.T[0 : degree + 1 : 2] - 1) * steep + D[0 : degree + 1 : 2]
-            return np.asarray(self._signed @ legendre)
+            return np.asarray(self.signed @ legendre)
         return np.zeros((1, 1, b.size))
 
-    def _turned_form(self, b: Array, steep: Array) -> Array:
-        """Return b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds; (b,)."""
-        if self.shape.flat:
-            return np.zeros_like(b)
-        e = self.shape.exponent
-        return np.asarray((1 - b**e) * steep + b ** (e - 1) * _stretched(e, b))
-
-    @property
+    @cached_property
     def signed(self) -> Array:
         """Coefficients of P_2n(b); (column, 3, n)."""
-        return self._signed
-
-    def _power(self, b: Array) -> Array:
-        return np.ones_like(b) if self.shape.flat else b**self.shape.exponent
-
-    @property
-    def _rise(self) -> float:
-        return 0.0 if self.shape.flat else self.shape.rise
+        return np.asarray(self.series * (-1.0) ** np.arange(self._count))
 
     @property
     def _count(self) -> int:
         return int(self.series.shape[-1])
-
-    @cached_property
-    def _signed(self) -> Array:
-        return np.asarray(self.series * (-1.0) ** np.arange(self._count))
 
 
 def turned_form_rates(exponent: float, b: Array) -> Array:

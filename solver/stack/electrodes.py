@@ -15,7 +15,6 @@ from approximation.arrays import Indices
 from solver.arrays import Array, ComplexArray, selected
 from solver.cache import cached
 from solver.names import CHOICES
-from solver.stack.fourier import falling
 from solver.stack.layers import Stack, StackError
 from solver.stack.reflection import below, waves
 from solver.stack.wavenumbers import wavenumbers
@@ -119,7 +118,7 @@ class Electrode:
             t[:, :, _PHI] = 0.0
         for number, layer in enumerate(layers):
             amplitude = layer.amplitude @ t
-            down = falling(layer.medium.decay, k * layer.thickness) @ amplitude
+            down = layer.medium.falling(k * layer.thickness) @ amplitude
             above = down + layer.reflection @ down
             t = below(layer, k, np.asarray(amplitude), self.stack.grounded[number])
             if number == self.interfaces[0]:

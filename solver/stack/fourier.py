@@ -23,8 +23,7 @@ from solver.material.constants import Material
 MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 FLIP = np.outer(np.diag(MIRROR), np.diag(MIRROR))
 
-_WELL_CONDITIONED = 1e3  # eigenvectors lose three digits there; beyond it the series is used
-_DEGREE = 11  # of the Taylor polynomial, at a norm of 1/2: 2^-12 / 12! is below rounding
+_WELL_CONDITIONED = 1e3  # eigenvectors lose three digits there; beyond it a contour is used
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,31 +91,12 @@ class Medium:
         turned = self.scale / self.halfplane.scale * np.array([1j, 1, 1, 1])
         return 1j * np.conj(nodes[nonzero]), turned[:, None] * np.conj(parts[nonzero]) / turned
 
+    def falling(self, s: Array) -> Array:
+        """exp(-G s) at s (...) >= 0; (..., 4, 4). Nothing grows."""
+        rates, parts = self.modes
+        return np.asarray(np.tensordot(np.exp(-rates * s[..., None]), parts, 1).real)
+
     @cached_property
     def slowest(self) -> Array:
         """g: smallest real part of the eigenvalues of G [1]; (...)."""
         return np.asarray(np.min(np.linalg.eigvals(self.decay).real, -1))
-
-
-def falling(G: Array, s: Array) -> Array:
-    """exp(-G s); (..., 4, 4).
-
-    By eigenvectors where they are well conditioned, by Taylor's series of a small enough part, squared again and
-    again, elsewhere (degenerate materials). What is squared decays: nothing grows.
-
-    G: (..., 4, 4), with eigenvalues of positive real part; s: (...), >= 0.
-    """
-    values, vectors = np.linalg.eig(G)
-    if np.max(np.linalg.cond(vectors)) < _WELL_CONDITIONED:
-        waves = vectors * np.exp(-values * s[..., None])[..., None, :]
-        return np.asarray((waves @ np.linalg.inv(vectors)).real)
-    exponent = -G * s[..., None, None]
-    norm = np.max(np.sum(np.abs(exponent), -1), -1)
-    halvings = np.maximum(np.ceil(np.log2(np.maximum(norm, 1e-300))) + 1, 0).astype(int)
-    part = exponent / np.exp2(halvings)[..., None, None]
-    power: Array = np.eye(4) + part / _DEGREE
-    for degree in range(_DEGREE - 1, 0, -1):
-        power = np.eye(4) + part @ power / degree
-    for step in range(int(np.max(halvings, initial=0))):
-        power = np.where((step < halvings)[..., None, None], power @ power, power)
-    return power

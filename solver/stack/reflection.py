@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.arrays import Array, ComplexArray
-from solver.stack.fourier import FLIP, MIRROR, Medium, falling
+from solver.stack.fourier import FLIP, MIRROR, Medium
 from solver.stack.layers import Stack
 
 _LONG = 0.1  # kH below which waves above an insulated base are long
@@ -55,7 +55,7 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
         if stack.insulated and number == len(stack.layers) - 1:
             A[:, 3], B[:, 3] = np.eye(4)[3], -np.eye(4)[3]
         reflection: Array = np.asarray(np.linalg.solve(A, B), dtype=np.float64)
-        E = falling(medium.decay, k * thickness)
+        E = medium.falling(k * thickness)
         round_trip = (FLIP * E) @ reflection @ E
         added = _difference(compliance, round_trip)
         if np.any(long):
@@ -171,7 +171,7 @@ def layer_waves(
     top.
     """
     down = -layer.round_trip @ amplitude if reflected else amplitude  # (I + F)^-1 - I = -F (I + F)^-1
-    up = layer.reflection @ falling(layer.medium.decay, k * layer.thickness) @ amplitude
+    up = layer.reflection @ layer.medium.falling(k * layer.thickness) @ amplitude
     falls = modal(layer.medium, k, depth, down, rows)
     return falls + modal(layer.medium, k, layer.thickness - depth, up, rows, upward=True)
 
@@ -181,7 +181,7 @@ def below(layer: LayerWaves, k: Array, amplitude: ComplexArray, grounded: tuple[
 
     k: (k,), wavenumbers [1/m]; amplitude: (member, k, 4, column), traction of what enters at the top.
     """
-    down = falling(layer.medium.decay, k * layer.thickness) @ amplitude
+    down = layer.medium.falling(k * layer.thickness) @ amplitude
     t: ComplexArray = down + layer.reflection @ down
     free = [i for i in range(4) if i not in grounded]
     if grounded and np.any(layer.below):

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from enum import IntEnum
 from functools import cached_property
 from typing import TypeVar
 
@@ -50,6 +51,14 @@ _PER_WAVE = 4  # cells along the shortest wave of a rough punch
 _LEAST_SPACINGS = 4  # points of a height map across a contact
 
 
+class Slopes(IntEnum):
+    """Derivatives of a contact that are solved, each with those above."""
+
+    NONE = 0
+    BY_VOLTAGE = 1  # at the load itself
+    BY_LOAD = 2  # from two more loads, and of the contact without charge
+
+
 @dataclass(frozen=True, eq=False)
 class SurfaceContact:
     """A contact: fields on a grid of cells, loads and tangents, SI."""
@@ -64,8 +73,8 @@ class SurfaceContact:
     voltage: float  # Potential of the punch [V]
     force: Array  # Of the punch on the body, positive into the body, and friction along x and y [N]; (3,): x, y, normal
     charge: float  # Of the punch [C]
-    tangent: Array  # d(force, charge)/d(depth, voltage); (2, 2)
-    fixed_capacitance: float  # d charge/d voltage at a fixed contact [F]
+    tangent: Array  # d(force, charge)/d(depth, voltage), NaN without slopes; (2, 2)
+    fixed_capacitance: float  # d charge/d voltage at a fixed contact, NaN without slopes [F]
     charge_per_force: float  # At zero voltage, under the same force or depth [C/N]
     errors: dict[str, float] = field(default_factory=dict)  # Relative, estimated from two grids
     reaches_end: bool = False  # Whether a sharp end of the punch limits it, where the pressure is infinite
@@ -120,12 +129,11 @@ def solve_contact(
     body: SurfaceBody, shape: Shape, *, force: float | None = None, depth: float | None = None,
     voltage: float = 0.0, charge: float | None = None, friction: float = 0.0, direction: float = 0.0,
     air: float | None = 1.0, end: float = np.inf, punch: tuple[float, float] | None = None,
-    error: float = 1e-3, cells: int | None = None, derivatives: bool = False,
+    error: float = 1e-3, cells: int | None = None, slopes: Slopes = Slopes.BY_VOLTAGE,
 ) -> SurfaceContact:  # fmt: skip
     """Contact of a punch with a body under a force or at a depth, at a voltage or with a charge.
 
-    The grid is refined until the estimated error is below ``error``; ``cells`` a side fixes the grid. ``derivatives``
-    takes the tangent in the direction of loading from two more loads, and solves the contact without charge.
+    The grid is refined until the estimated error is below ``error``; ``cells`` a side fixes the grid.
     """
     _check({
         "force": force, "depth": depth, "voltage": voltage, "charge": charge, "friction": friction,
@@ -136,7 +144,7 @@ def solve_contact(
     permittivity = None if air is None else air * VACUUM_PERMITTIVITY
     loading = Loading(force, depth, charge, voltage, friction, direction, permittivity, end)
     problem = _Problem(body, None if punch is None else isotropic_half_space(*punch), shape, loading)
-    return problem.refined(error, cells, derivatives)
+    return problem.refined(error, cells, slopes)
 
 
 _RULES: dict[str, tuple[str, float, float]] = {  # allowed values, and their open ends
@@ -202,11 +210,12 @@ class _Problem:
     def __init__(self, body: SurfaceBody, punch: SurfaceBody | None, shape: Shape, loading: Loading) -> None:
         self.body, self.punch, self.shape, self.loading = body, punch, shape, loading
 
-    def refined(self, error: float, cells: int | None, derivatives: bool) -> SurfaceContact:
-        """Contact on the grid that meets the error, with derivatives and the contact without charge if asked."""
+    def refined(self, error: float, cells: int | None, slopes: Slopes) -> SurfaceContact:
+        """Contact with its slopes on the grid that meets the error."""
         window, state, grid = self._located(error)
-        loadings = self._loadings(derivatives)
-        count, least = _COARSE // 4, max(self._least_cells(window), _SLOPED if derivatives and error < _ROUGH else 0)
+        by_load = slopes is Slopes.BY_LOAD
+        loadings = self._loadings(by_load)
+        count, least = _COARSE // 4, max(self._least_cells(window), _SLOPED if by_load and error < _ROUGH else 0)
         before, errors = dict[str, float](), dict[str, float]()
         sloped: list[tuple[dict[str, Linearised], Linearised]] = []  # on the last two fine grids
         while True:
@@ -224,11 +233,13 @@ class _Problem:
             } or {"main": grounded}
             if count >= max(least, _SLOPED):
                 sloped = [*sloped[-1:], (solved, grounded)]
-            tangents = {name: linear.tangent(_TANGENT * error) for name, linear in solved.items()}
             results = {name: load for each in (grounded, *solved.values()) for name, load in _loads(each).items()}
-            tangent, results["capacitance"] = tangents["main"]
-            if "charge" in results or "voltage" in results:  # of a body that couples
-                results["stroke"] = float(tangent[0, 1] / tangent[0, 0])
+            tangents = dict.fromkeys(solved, (np.full((2, 2), np.nan), np.nan))
+            if slopes is not Slopes.NONE:
+                tangents = {name: linear.tangent(_TANGENT * error) for name, linear in solved.items()}
+                tangent, results["capacitance"] = tangents["main"]
+                if "charge" in results or "voltage" in results:  # of a body that couples
+                    results["stroke"] = float(tangent[0, 1] / tangent[0, 0])
             if not self._reaches_end(grid, state):
                 results["pressure"] = float(np.max(solved["main"].state.pressure)) / system.compliance
             estimated = _errors(before, results, float(grounded.loads[0] * system.per_volt))
@@ -240,7 +251,7 @@ class _Problem:
         contacts, (coarse, coarse_grounded) = {}, (sloped or [(solved, grounded)])[0]
         for name, linear in solved.items():
             tangent, fixed = tangents[name]
-            if derivatives:
+            if by_load:
                 tangent = _with_secant(tangent, coarse[name], coarse_grounded, _ACCURACY * error)
             contact = _contact(linear, grounded, tangent, fixed, errors)
             contacts[name] = replace(contact, reaches_end=self._reaches_end(grid, state))
@@ -260,12 +271,12 @@ class _Problem:
         """The load at zero voltage, from whose contact others are sought: its gap closes smoothly at the edge."""
         return replace(self.loading, charge=None, voltage=0.0)
 
-    def _loadings(self, derivatives: bool) -> dict[str, Loading]:
+    def _loadings(self, uncharged: bool) -> dict[str, Loading]:
         """Loads besides that at zero voltage."""
         loadings = {}
         if self.loading.charge is not None or self.loading.voltage:
             loadings["main"] = self.loading
-        if derivatives and self.loading.charge:
+        if uncharged and self.loading.charge:
             loadings["uncharged"] = replace(self.loading, charge=0.0)
         return loadings
 

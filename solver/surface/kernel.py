@@ -47,6 +47,7 @@ def workers(shape: tuple[int, ...]) -> int:
     return 2 if np.prod(shape) >= _THREADED else 1
 
 
+@cached
 def half_space_table(body: SurfaceBody, pairs: Pairs, is_far: bool = False) -> Array:
     """H at equally spaced angles over a full turn, of the top or, seen from afar, of the base; (pair, angle)."""
     count = body.directions

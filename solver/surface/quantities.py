@@ -5,14 +5,21 @@ contact without charge and ``charge_per_force`` to that at zero voltage. A conta
 has no ``peak_pressure``, which is infinite there.
 """
 
-from solver.surface.contact import SurfaceContact
+from collections.abc import Set
+
+from solver.names import SPACE_SLOPES
+from solver.surface.contact import Slopes, SurfaceContact
 from solver.twoport import Stiffness
 
 
-def quantities(charged: SurfaceContact) -> dict[str, float]:
-    """Quantities of a contact, SI; those that need the contact without charge only with it."""
-    uncharged = charged if charged.charge == 0 else charged.uncharged
-    port = _port(charged)
+def slopes_of(names: Set[str] | None) -> Slopes:
+    """Derivatives that some quantities need; None: all quantities."""
+    needed = [Slopes[by] for name, by in SPACE_SLOPES.items() if names is None or name in names]
+    return max(needed, default=Slopes.NONE)
+
+
+def quantities(charged: SurfaceContact, slopes: Slopes) -> dict[str, float]:
+    """Quantities of a contact, SI: those of its slopes, and those of the contact without charge where that is there."""
     lengths, moments = charged.lengths, charged.moments
     out = {
         "contact_area": charged.area,
@@ -27,19 +34,23 @@ def quantities(charged: SurfaceContact) -> dict[str, float]:
         "moment_x": float(moments[0]),
         "moment_y": float(moments[1]),
         "moment_z": float(moments[2]),
-        "contact_stiffness": float(port.closed),
-        "contact_stiffness_open": float(port.open),
-        "stroke_per_volt": float(port.stroke(1)),
-        "blocked_force_per_volt": float(port.blocked_force(1)),
-        "capacitance": charged.fixed_capacitance,
-        "capacitance_at_force": float(port.capacitance(1)),
         "charge_per_force": charged.charge_per_force,
         "relative_error": charged.error,
     }
     if not charged.reaches_end:
         out["peak_pressure"] = charged.peak_pressure
-    if uncharged is not None:
-        out["voltage_per_force"] = float(_port(uncharged).potential_per_force(1))
+    port = _port(charged)
+    if slopes >= Slopes.BY_VOLTAGE:
+        out["stroke_per_volt"] = float(port.stroke(1))
+        out["capacitance"] = charged.fixed_capacitance
+        out["capacitance_at_force"] = float(port.capacitance(1))
+    if slopes >= Slopes.BY_LOAD:
+        out["contact_stiffness"] = float(port.closed)
+        out["contact_stiffness_open"] = float(port.open)
+        out["blocked_force_per_volt"] = float(port.blocked_force(1))
+        uncharged = charged if charged.charge == 0 else charged.uncharged
+        if uncharged is not None:
+            out["voltage_per_force"] = float(_port(uncharged).potential_per_force(1))
     return out
 
 

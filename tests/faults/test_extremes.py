@@ -1,7 +1,6 @@
 """Numerical extremes: every case is finite or a named error, and no file ever holds a NaN or an infinity."""
 
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from solver import FactorError, MaterialError, solve
 from solver.fields import FIELDS
 from solver.names import QUANTITIES
 from storage.netcdf import read_whole
-from workflow.cli.main import main
+from tests.programs import Command
 
 FRICTIONS = [0.0, 1e-12, 1e-2, 10.0]
 RADII = [1e-9, 1e-3, 1e3]
@@ -47,14 +46,14 @@ def test_factors_over_twelve_decades(composite: str) -> None:
     assert np.mean(solved) > 0.9  # an error is the exception: a contact as wide as the datum
 
 
-def test_no_file_holds_what_is_not_finite(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_file_holds_what_is_not_finite(command: Command) -> None:
     written = 0
     for number, (eta, R, P, charge) in enumerate(product([0.0, 10.0], [1e-300, 1e3], [1e-300, 1e300], [0.0, 1e300])):
-        table, file = tmp_path / f"{number}.csv", tmp_path / f"{number}.nc"
         text = f"volume_fraction,friction,radius [m],load [N/m],charge [C/m]\n0.5,{eta},{R},{P},{charge}\n"
-        table.write_text(text, encoding="utf-8")
-        status = main(["solve", str(table), "-o", str(file), "--positions=-1.5,0.5"])
-        said = capsys.readouterr().err
+        table = command.file(f"{number}.csv", text)
+        file = table.with_suffix(".nc")
+        status = command.status("solve", table, "-o", file, "--positions=-1.5,0.5")
+        said = command.capsys.readouterr().err
         if status == 2:
             assert said.startswith(f"meecontact: {table}: ")
             assert said.count("\n") == 1

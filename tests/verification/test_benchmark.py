@@ -1,12 +1,11 @@
 """The published table of solved problems: its cheap rows come out again, and its reader judges other numbers."""
 
 import csv
-from pathlib import Path
 
 import pytest
 
+from tests.programs import Command
 from verification.benchmark import COLUMNS, MOST_DIGITS, PROBLEMS, Problem, units
-from workflow.cli import main
 from workflow.cli.benchmark import TABLE, verdict
 
 ROWS = list(csv.DictReader(TABLE.read_text(encoding="utf-8").splitlines()))
@@ -47,32 +46,25 @@ def test_verdicts(answer: float | None, said: str) -> None:
     assert verdict("-2.228757732e+03", answer) == said
 
 
-def test_the_command_judges_each_row(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    answers = tmp_path / "answers.csv"
+def test_the_command_judges_each_row(command: Command) -> None:
     mine = [(row["problem"], row["quantity"], row["value"]) for row in ROWS[:3]]
     mine[1] = (*mine[1][:2], "1.1")
-    answers.write_text("problem,quantity,value\n" + "".join(",".join(row) + "\n" for row in mine), encoding="utf-8")
-    assert main.main(["benchmark", str(answers)]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    text = "problem,quantity,value\n" + "".join(",".join(row) + "\n" for row in mine)
+    lines = command("benchmark", command.file("answers.csv", text))[0].splitlines()
     assert len(lines) == len(ROWS) + 1
     assert [line.split(row["value"])[1].split()[0] for line, row in zip(lines, ROWS, strict=False)][:4] == [
         "agrees", "off", "agrees", "missing",
     ]  # fmt: skip
     assert lines[-1] == f"2 of 3 numbers agree to the last digit; {len(ROWS) - 3} are missing"
-    assert main.main(["benchmark"]) == 0
-    assert len(capsys.readouterr().out.splitlines()) == len(ROWS)
+    assert len(command("benchmark")[0].splitlines()) == len(ROWS)
 
 
 @pytest.mark.parametrize(("separator", "mark"), [(",", "."), (";", "."), (";", ","), ("\t", ",")])
-def test_answers_of_any_spreadsheet_are_read(
-    separator: str, mark: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    answers = tmp_path / "answers.csv"
+def test_answers_of_any_spreadsheet_are_read(separator: str, mark: str, command: Command) -> None:
     mine = [(row["problem"], row["quantity"], row["value"].replace(".", mark)) for row in ROWS[:3]]
     lines = ["# of another code", *map(separator.join, [("problem", "quantity", "value"), *mine])]
-    answers.write_text("\n".join(lines), encoding="utf-8")
-    assert main.main(["benchmark", str(answers)]) == 0
-    assert capsys.readouterr().out.splitlines()[-1].startswith("3 of 3 numbers agree to the last digit;")
+    printed, _ = command("benchmark", command.file("answers.csv", "\n".join(lines)))
+    assert printed.splitlines()[-1].startswith("3 of 3 numbers agree to the last digit;")
 
 
 @pytest.mark.parametrize(
@@ -90,12 +82,5 @@ def test_answers_of_any_spreadsheet_are_read(
         ),
     ],
 )
-def test_bad_answers_are_refused_in_one_line(
-    text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    answers = tmp_path / "answers.csv"
-    answers.write_text(text, encoding="utf-8")
-    assert main.main(["benchmark", str(answers)]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
+def test_bad_answers_are_refused_in_one_line(text: str, said: str, command: Command) -> None:
+    assert said in command.refused("benchmark", command.file("answers.csv", text))

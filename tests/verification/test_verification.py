@@ -17,7 +17,6 @@ from verification import (
     Findings,
     Sizes,
     digits,
-    film_air,
     film_elements,
     integral_equations,
     limits,
@@ -38,7 +37,7 @@ SMALL = Sizes(cases=2, elements=12, timed=0)
 #: Of groups of many cases, a few: `make soak` and `make run STUDY=verification` take all of them.
 FEW: dict[str, tuple[ModuleType, dict[str, tuple[object, ...]]]] = {
     "digits": (digits, {"EXTREMES": ("coalescing roots",)}),
-    "film_air": (film_air, {"CASES": ("PZT-4 on steel, air",)}),
+    "film_air": (film_elements, {"AIR_CASES": ("PZT-4 on steel, air",)}),
     "film_elements": (film_elements, {"CASES": (HALF_PLANE, "BaTiO3 on CoFe2O4 on a rigid base")}),
     "integral_equations": (integral_equations, {"PUNCHES": ("cylinder", "tilted flat")}),
     "points": (points, {"_BASES": ("rigid",), "SLIDING": ("half-space",)}),
@@ -82,25 +81,23 @@ def test_finite_elements_of_points_converge_and_a_wrong_answer_is_red(monkeypatc
 @pytest.mark.soak
 def test_finite_elements_of_films_converge() -> None:
     assert {curve.figure for curve in findings("film_elements", False).curves} == {"film_elements"}
-    film = film_elements.Solved(film_elements.CASES["composite on a rigid base, charged"])
-    coarse, fine = (film_elements.Compared(film, order) for order in (4, 6))
+    case = film_elements.CASES["composite on a rigid base, charged"]
+    coarse, fine = (film_elements.Compared(case, solver.solve(case), order) for order in (4, 6))
     for what in ("load", "edges", "interface"):
         assert fine.error(what) < coarse.error(what) / 4, what
 
 
 def test_a_contact_in_air_is_not_one_without() -> None:
     """The elements have air: against the solver's contact without any, the voltage misses by a third."""
-    bare = float(solver.solve(film_air.SLIDING | {"surroundings": "insulated"})["voltage"])
-    elements = film_air.Compared(film_elements.Solved(film_air.SLIDING), 4).contact
+    case = film_elements.SLIDING
+    bare = float(solver.solve(case | {"surroundings": "insulated"})["voltage"])
+    elements = film_elements.Compared(case, solver.solve(case), 4).contact
     assert abs(elements.potential(ELECTRIC) / bare - 1) > 0.2
 
 
 def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
-    (curve,) = [
-        candidate
-        for candidate in findings("integral_equations", False).curves
-        if candidate.figure == "collocation_circle"
-    ]
+    curves = {curve.figure: curve for curve in findings("integral_equations", False).curves}
+    curve = curves["collocation_circle"]
     assert all(fine < coarse / 10 for coarse, fine in zip(curve.error, curve.error[1:], strict=False))
 
 
@@ -108,9 +105,9 @@ def test_a_wrong_coupling_turns_the_checks_red(monkeypatch: pytest.MonkeyPatch) 
     m = constants(solver.find(SIH_SONG))
     other = surface_response(m | {"f31": 1.001 * m["f31"]})
     assert integral_equations.error("cylinder", (1, 2), 8, other) > 1e-5
-    film = film_elements.Solved(film_elements.CASES["BaTiO3 on a rigid base"])
+    case = film_elements.CASES["BaTiO3 on a rigid base"]
     monkeypatch.setattr(film_elements, "constants", lambda material: constants(material) | {"e33": 18.8})
-    assert film_elements.Compared(film, 4).error("response") > 5e-3
+    assert film_elements.Compared(case, solver.solve(case), 4).error("response") > 5e-3
     monkeypatch.setattr(limits, "STEEL", (200e9, 0.31))
     monkeypatch.setattr(solver.Material, "isotropic", lambda *_: solver.find("steel"))
     assert limits.hertz() > 1e-3

@@ -162,7 +162,6 @@ class Contact:
     coefficients: Array  # shape (3, 2, terms); Chebyshev coefficients of (F, G, G) and of (nothing, K, K), SI units
     # Rotation of the punch that the ends ask for [1]: zero unless both edges are smooth and the ends are wrong
     tilt: float
-    residual: float  # Largest misfit of the equations at the collocation points, over the largest right-hand side
 
     @property
     def half_width(self) -> float:
@@ -276,14 +275,13 @@ def _between(problem: Problem, trailing: float, leading: float) -> Contact:
     preference = np.ones(matrix.shape[1])
     preference[: len(families) * terms] = np.tile(_PREFERENCE ** np.arange(terms), len(families))
     unknown = preference[:, None] * np.linalg.lstsq(matrix * preference, causes, rcond=_CUT_OFF)[0]
-    residual = np.max(np.abs(matrix @ unknown - causes)) / np.max(np.abs(causes))
 
     total = unknown.sum(axis=1)
     coefficients = np.zeros((3, 2, terms))
     for i, (f, w) in enumerate(families):
         coefficients[problem.unknown[f], w] = scale[f] * total[i * terms : (i + 1) * terms]
     tilt = float(total[-1] / scale[0]) if problem.profile.smooth else 0.0
-    return Contact(problem, trailing, leading, coefficients, tilt, float(residual))
+    return Contact(problem, trailing, leading, coefficients, tilt)
 
 
 def _matrix(problem: Problem, X: Array, families: list[tuple[int, int]], loaded: list[int]) -> Array:

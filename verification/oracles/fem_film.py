@@ -26,7 +26,7 @@ from scipy.sparse import block_array, csr_array, eye_array
 from scipy.special import eval_chebyt, eval_jacobi, gamma
 
 from verification.oracles.film_mesh import layered_mesh
-from verification.oracles.gap_response import LEAST, VACUUM, Dry, Gap, along, settled, sides
+from verification.oracles.gap_response import VACUUM, Dry, Gap, along, settled, sides
 from verification.oracles.spectral import ELECTRIC, FIELDS, FORCES, MAGNETIC, Body, Index, factorised
 from verification.oracles.surface_response import UNITS, Array, surface_response
 
@@ -154,11 +154,10 @@ class FilmContact:
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u (unknowns, states), in air right on the surface only, and nodal loads (node, 4, states)."""
-        size, count, weights = self._stiffness.shape[0], 4 * len(self.body.places), self._exterior.rule[1]
-        wide = np.maximum(gap, LEAST * weights.sum(axis=1, keepdims=True))
+        size, count = self._stiffness.shape[0], 4 * len(self.body.places)
         air, pushed = csr_array((size, size)), np.zeros((size, 3 + len(self.punch.conducted)))
         for state, potential in enumerate(self.punch.conducted if self.permittivity else (), start=3):
-            spring = self._exterior.spring(potential, self._medium(potential) * weights / wide, size)
+            spring = self._exterior.spring(potential, self._medium(potential), gap, size)
             air, pushed[:, state] = air + spring, spring.sum(axis=1)
         u, loads = self._dry.charged(air, pushed)
         return u, loads[:count].reshape(count // 4, 4, -1)

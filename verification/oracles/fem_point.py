@@ -16,9 +16,9 @@ from scipy.special import gamma
 
 from verification.oracles.fem_film import Layer, clamped, contact
 from verification.oracles.film_mesh import FAR, assemble, depths, growing
-from verification.oracles.gap_response import LEAST, VACUUM, Dry, Gap, settled
+from verification.oracles.gap_response import VACUUM, Dry, Gap, settled
 from verification.oracles.spectral import ELECTRIC, FORCES, Body, Index, Quadrilaterals, bilinear, lagrange
-from verification.oracles.surface_response import STIFFNESS, UNITS, Array, surface_response
+from verification.oracles.surface_response import ALONG, DOWN, UNITS, Array, constitutive_matrix, surface_response
 
 _GROWTH, _SIZE = 2.5, 0.25  # of elements: far away, and beside the edge
 
@@ -32,49 +32,22 @@ class Revolved(Body):
         elements = np.arange(len(self.mesh.vertices))
         return elements, elements
 
-    def _stiffness(self, element: int) -> Array:
-        """Scaled matrix over node and field, shape (4 (order + 1)^2,) * 2, per radian."""
-        points, weights = np.polynomial.legendre.leggauss(self.order + 2)
-        local = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
-        (by_r, by_y), jacobian = self._gradients(element, local)
+    def _parts(self, element: int, local: Array) -> tuple[Array, Array]:
+        """d/dr, d/dy and 1/r of the shapes, and the area per radian."""
+        gradient, jacobian = self._gradients(element, local)
         first, second = (lagrange(self.line, local[:, axis])[0] for axis in (0, 1))
-        values = (first[:, :, None] * second[:, None, :]).reshape(len(local), -1)
+        values = (first[:, :, None] * second[:, None, :]).reshape(1, len(local), -1)
         r = self.mesh.origin[element][0] + bilinear(local) @ self.mesh.corners[element][:, 0]
-        weight = (np.outer(weights, weights).ravel() * jacobian * r)[:, None]
-        parts, moduli = (by_r, by_y, values / r[:, None]), _moduli(self.materials[self.mesh.layer[element]])
-        n = values.shape[1]
-        total = np.zeros((n, 4, n, 4))
-        scale = UNITS[:, None] * UNITS / STIFFNESS
-        for row, left in enumerate(parts):
-            for column, right in enumerate(parts):
-                if np.any(moduli[row, column]):
-                    total += (left.T @ (weight * right))[:, None, :, None] * (scale * moduli[row, column])[:, None, :]
-        return total.reshape(4 * n, 4 * n)
+        return np.concatenate([gradient, values / r[:, None]]), jacobian * r
 
-
-def _moduli(material: Mapping[str, float]) -> Array:
-    """Stiffness in (d/dr, d/dy, 1/r) of (u_r, u_y, phi, psi); shape (3, 3, 4, 4)."""
-    get = {name: float(material.get(name, 0.0)) for name in (
-        "c11", "c12", "c13", "c33", "c44", "e31", "e33", "e15", "f31", "f33", "f15",
-        "eps11", "eps33", "g11", "g33", "mu11", "mu33")}  # fmt: skip
-    # strains and fields as rows of (d/dr, d/dy, 1/r) of the unknowns: rr, tt, yy, ry, E_r, E_y, H_r, H_y
-    strains = np.zeros((8, 3, 4))
-    strains[0, 0, 0] = strains[1, 2, 0] = strains[2, 1, 1] = strains[3, 1, 0] = strains[3, 0, 1] = 1.0
-    strains[4, 0, 2] = strains[5, 1, 2] = strains[6, 0, 3] = strains[7, 1, 3] = -1.0
-    C = np.zeros((8, 8))
-    C[:3, :3] = [[get["c11"], get["c12"], get["c13"]], [get["c12"], get["c11"], get["c13"]],
-                 [get["c13"], get["c13"], get["c33"]]]  # fmt: skip
-    C[3, 3] = get["c44"]
-    for field, (letter, along, down) in enumerate((("e", "eps11", "eps33"), ("f", "mu11", "mu33"))):
-        r, y = 4 + 2 * field, 5 + 2 * field
-        coupling = np.zeros((2, 4))
-        coupling[0, 3] = get[f"{letter}15"]
-        coupling[1, :3] = get[f"{letter}31"], get[f"{letter}31"], get[f"{letter}33"]
-        C[r : y + 1, :4], C[:4, r : y + 1] = -coupling, -coupling.T
-        C[r, r], C[y, y] = -get[along], -get[down]
-    C[4, 6] = C[6, 4] = -get["g11"]
-    C[5, 7] = C[7, 5] = -get["g33"]
-    return np.asarray(np.einsum("aij,ab,bkl->ikjl", strains, C, strains))
+    def _moduli(self, material: Mapping[str, float]) -> Array:
+        """Stiffness in (d/dr, d/dy, 1/r) of (u_r, u_y, phi, psi); shape (3, 3, 4, 4)."""
+        m = material
+        stiffness, strains = np.zeros((8, 8)), np.zeros((3, 8, 4))  # the last strain is the hoop's
+        stiffness[:7, :7] = constitutive_matrix(m)
+        stiffness[7] = stiffness[:, 7] = m["c12"], m["c13"], 0, 0, m["e31"], 0, m["f31"], m["c11"]
+        strains[0, :7], strains[1, :7], strains[2, 7, 0] = ALONG, DOWN, 1.0
+        return np.asarray(np.einsum("iaj,ab,kbl->ikjl", strains, stiffness, strains))
 
 
 def _mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
@@ -148,11 +121,9 @@ class PointContact:
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u and nodal loads of the states u_y = 1, r^e and phi = 1 under the punch; (node, 4, state) each."""
-        r, weights = self._exterior.rule
-        wide = np.maximum(gap, LEAST * np.sum(weights, axis=1, keepdims=True))
-        strength = self.permittivity * VACUUM[ELECTRIC] * weights * r / (1 + (r * self.radius / self.sphere) ** 2)
-        pushed = np.zeros_like(self._dry.prescribed)
-        spring = self._exterior.spring(ELECTRIC, strength / wide, len(pushed))
+        r, pushed = self._exterior.rule[0], np.zeros_like(self._dry.prescribed)
+        medium = self.permittivity * VACUUM[ELECTRIC] * r / (1 + (r * self.radius / self.sphere) ** 2)
+        spring = self._exterior.spring(ELECTRIC, medium, gap, len(pushed))
         pushed[:, 2] = spring.sum(axis=1)
         u, loads = self._dry.charged(spring, pushed)
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)

@@ -13,7 +13,7 @@ from verification.oracles.surface_response import STIFFNESS, UNITS, Array
 
 _STEPS = 60  # of gaps and potentials in turn, at most
 _SMALL = 1e-6  # over the largest of the weights of the states: counts as nothing
-LEAST = 1e-9  # gap over the length of an element below which the potential is as good as the punch's
+_LEAST = 1e-9  # gap over the length of an element below which the potential is as good as the punch's
 VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 
 
@@ -128,9 +128,10 @@ class Gap:
         """Values of nodes at the points; (side, point)."""
         return np.asarray(values[self.nodes] @ self.shapes.T)
 
-    def spring(self, potential: int, strength: Array, size: int) -> "csr_array[np.float64]":
-        """Scaled charges per potential, int strength N N over unknowns; (size, size)."""
-        scale = UNITS[potential] ** 2 / STIFFNESS
+    def spring(self, potential: int, medium: float | Array, gap: Array, size: int) -> "csr_array[np.float64]":
+        """Scaled charges per potential, int medium/gap N N over unknowns; (size, size)."""
+        weights, scale = self.rule[1], UNITS[potential] ** 2 / STIFFNESS
+        strength = medium * weights / np.maximum(gap, _LEAST * weights.sum(axis=1, keepdims=True))
         blocks = scale * np.einsum("sp,pi,pj->sij", strength, self.shapes, self.shapes)
         dofs = 4 * self.nodes + potential
         rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])

@@ -10,10 +10,11 @@ from functools import lru_cache
 
 from mpmath import cos, diag, inverse, matrix, mp, mpf, norm, pi, sin, zeros
 
+from verification.oracles.surface_response import blocks
+
 WORK_DIGITS = 100  # the results are good to 50 of them: the removable singularity kap -> 0 may eat the others
-_ELASTIC = ("c11", "c13", "c33", "c44")
 _COUPLING = ("e31", "e33", "e15", "f31", "f33", "f15")
-CONSTANTS = (*_ELASTIC, *_COUPLING, "eps11", "eps33", "g11", "g33", "mu11", "mu33")
+CONSTANTS = ("c11", "c13", "c33", "c44", *_COUPLING, "eps11", "eps33", "g11", "g33", "mu11", "mu33")
 
 # Units of (u_x, u_y, phi, psi) in which all constants are of order one: m, m, 1e10 V, 1e8 A; stiffness 1e11 Pa.
 UNITS = (mpf(1), mpf(1), mpf(10) ** 10, mpf(10) ** 8)
@@ -45,14 +46,13 @@ class HalfPlane:
 def half_plane(material: Mapping[str, float], speed: float = 0.0) -> HalfPlane:
     """Surface response of a material at rest or under a punch in steady motion."""
     inertia = mpf(material["rho"]) * mpf(speed) ** 2 if speed else mpf(0)
-    return _half_plane(tuple(mpf(material[name]) for name in CONSTANTS), inertia)
+    return _half_plane(tuple(material[name] for name in CONSTANTS), inertia)
 
 
 @lru_cache(maxsize=64)
-def _half_plane(constants: tuple[mpf, ...], inertia: mpf) -> HalfPlane:
-    c = dict(zip(CONSTANTS, constants, strict=True))
+def _half_plane(constants: tuple[float, ...], inertia: mpf) -> HalfPlane:
     with mp.workdps(WORK_DIGITS):
-        Q, R, T = _blocks(c)
+        Q, R, T = (matrix(block.tolist()) for block in blocks(dict(zip(CONSTANTS, constants, strict=True))))
         moving = Q - inertia * diag([1, 1, 0, 0])
         units = diag(list(UNITS))
         scaled = [units * block * units / STIFFNESS for block in (moving, R, T)]
@@ -60,21 +60,6 @@ def _half_plane(constants: tuple[mpf, ...], inertia: mpf) -> HalfPlane:
         compliance = inverse(L)
         local = units * (-S * compliance) * units / STIFFNESS
         return HalfPlane(local, units * compliance * units / STIFFNESS, Q, R, T)
-
-
-def _blocks(c: Mapping[str, mpf]) -> tuple[matrix, matrix, matrix]:
-    """Theory section 2, Q, R, T."""
-    shear, axial = (c["c44"], c["e15"], c["f15"]), (c["c13"], c["e31"], c["f31"])
-    Q, R, T = zeros(4), zeros(4), zeros(4)
-    Q[0, 0], T[0, 0] = c["c11"], c["c44"]
-    for j in range(3):
-        R[0, j + 1], R[j + 1, 0] = axial[j], shear[j]
-    for block, n, stiffness, couplings in ((Q, "11", "c44", ("e15", "f15")), (T, "33", "c33", ("e33", "f33"))):
-        block[1, 1], block[2, 2], block[3, 3] = c[stiffness], -c["eps" + n], -c["mu" + n]
-        block[2, 3] = block[3, 2] = -c["g" + n]
-        for j, name in enumerate(couplings):
-            block[1, j + 2] = block[j + 2, 1] = c[name]
-    return Q, R, T
 
 
 def _angular_means(Q: matrix, R: matrix, T: matrix) -> tuple[matrix, matrix]:

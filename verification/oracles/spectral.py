@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import SuperLU, splu
 
-from verification.oracles.surface_response import STIFFNESS, UNITS, Array
+from verification.oracles.surface_response import ALONG, DOWN, STIFFNESS, UNITS, Array, constitutive_matrix
 
 Index = NDArray[np.int64]
 ELECTRIC, MAGNETIC = 2, 3  # numbers of the potentials in u = (u_x, u_y, phi, psi)
@@ -30,28 +30,9 @@ FIELDS = (
     "magnetic_induction_x",
     "magnetic_induction_y",
 )
-# G = ALONG u,x + DOWN u,y with u = (u_x, u_y, phi, psi): equations (2)
-ALONG = np.zeros((7, 4))
-ALONG[[0, 2, 3, 5], [0, 1, 2, 3]] = 1.0
-DOWN = np.zeros((7, 4))
-DOWN[[2, 1, 4, 6], [0, 1, 2, 3]] = 1.0
 _SIGNS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])  # corners in the reference square, in their order
 _CLOSE = 1e-9  # to an element, in its own size
 _PLACE_STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
-
-
-def constitutive_matrix(material: Mapping[str, float]) -> Array:
-    """M of the fluxes, equations (1a)-(1c); shape (7, 7), SI units."""
-    m = material
-    M = np.zeros((7, 7))
-    M[:3, :3] = [[m["c11"], m["c13"], 0], [m["c13"], m["c33"], 0], [0, 0, m["c44"]]]
-    for row, (k31, k33, k15) in ((3, ("e31", "e33", "e15")), (5, ("f31", "f33", "f15"))):
-        coupling = np.array([[0, 0, m[k15]], [m[k31], m[k33], 0]])
-        M[row : row + 2, :3], M[:3, row : row + 2] = coupling, coupling.T
-    M[3:5, 3:5] = -np.diag([m["eps11"], m["eps33"]])
-    M[3:5, 5:], M[5:, 3:5] = (-np.diag([m["g11"], m["g33"]]),) * 2
-    M[5:, 5:] = -np.diag([m["mu11"], m["mu33"]])
-    return M
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,16 +113,24 @@ class Body:
         """Scaled matrix over node and field, shape (4 (order + 1)^2,) * 2."""
         points, weights = np.polynomial.legendre.leggauss(self.order + 2)
         local = np.stack(np.meshgrid(points, points, indexing="ij"), axis=-1).reshape(-1, 2)
-        gradient, jacobian = self._gradients(element, local)
-        weighted = gradient * (np.outer(weights, weights).ravel() * jacobian)[:, None]
-        M = constitutive_matrix(self.materials[self.mesh.layer[element]])
-        scale = UNITS[:, None] * UNITS / STIFFNESS
-        n = gradient.shape[2]
+        parts, measure = self._parts(element, local)
+        weight = (np.outer(weights, weights).ravel() * measure)[:, None]
+        moduli = self._moduli(self.materials[self.mesh.layer[element]]) * UNITS[:, None] * UNITS / STIFFNESS
+        n = parts.shape[2]
         total = np.zeros((n, 4, n, 4))
-        for flux, left in zip((ALONG, DOWN), gradient, strict=True):
-            for strain, right in zip((ALONG, DOWN), weighted, strict=True):
-                total += np.einsum("ab,ij->aibj", left.T @ right, scale * (flux.T @ M @ strain))
+        for row, column in np.ndindex(moduli.shape[:2]):
+            if np.any(moduli[row, column]):
+                total += (parts[row].T @ (weight * parts[column]))[:, None, :, None] * moduli[row, column][:, None, :]
         return total.reshape(4 * n, 4 * n)
+
+    def _parts(self, element: int, local: Array) -> tuple[Array, Array]:
+        """Parts of the shapes that strain is made of, (part, place, node), and the measure of an element's area."""
+        return self._gradients(element, local)
+
+    def _moduli(self, material: Mapping[str, float]) -> Array:
+        """Stiffness in (d/dx, d/dy) of (u_x, u_y, phi, psi); shape (2, 2, 4, 4)."""
+        strains = np.stack([ALONG, DOWN])
+        return np.asarray(np.einsum("iaj,ab,kbl->ikjl", strains, constitutive_matrix(material), strains))
 
     def _split(self, element: int) -> tuple[Array, Array]:
         """Condensed matrix of the border, and the inner nodes' answer to it."""

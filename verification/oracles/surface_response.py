@@ -12,6 +12,32 @@ UNITS = np.array([1.0, 1.0, 1e10, 1e8])  # m, m, V, A: all constants of order on
 STIFFNESS = 1e11
 _ANGLES = np.pi * np.arange(2048) / 2048  # 1e-15 while every Stroh root p has |(p-i)/(p+i)| < 0.98
 
+# G = (eps_xx, eps_yy, 2 eps_xy, grad phi, grad psi) = ALONG u,x + DOWN u,y with u = (u_x, u_y, phi, psi): equations (2)
+ALONG = np.zeros((7, 4))
+ALONG[[0, 2, 3, 5], [0, 1, 2, 3]] = 1.0
+DOWN = np.zeros((7, 4))
+DOWN[[2, 1, 4, 6], [0, 1, 2, 3]] = 1.0
+
+
+def constitutive_matrix(material: Mapping[str, float]) -> Array:
+    """M of the fluxes, equations (1a)-(1c); shape (7, 7), SI units."""
+    m = material
+    M = np.zeros((7, 7))
+    M[:3, :3] = [[m["c11"], m["c13"], 0], [m["c13"], m["c33"], 0], [0, 0, m["c44"]]]
+    for row, (k31, k33, k15) in ((3, ("e31", "e33", "e15")), (5, ("f31", "f33", "f15"))):
+        coupling = np.array([[0, 0, m[k15]], [m[k31], m[k33], 0]])
+        M[row : row + 2, :3], M[:3, row : row + 2] = coupling, coupling.T
+    M[3:5, 3:5] = -np.diag([m["eps11"], m["eps33"]])
+    M[3:5, 5:], M[5:, 3:5] = (-np.diag([m["g11"], m["g33"]]),) * 2
+    M[5:, 5:] = -np.diag([m["mu11"], m["mu33"]])
+    return M
+
+
+def blocks(material: Mapping[str, float]) -> tuple[Array, Array, Array]:
+    """Q, R and T of theory section 2, shape (4, 4) each, SI units."""
+    M = constitutive_matrix(material)
+    return ALONG.T @ M @ ALONG, ALONG.T @ M @ DOWN, DOWN.T @ M @ DOWN
+
 
 @dataclass(frozen=True, eq=False)
 class SurfaceResponse:
@@ -49,15 +75,7 @@ class SurfaceResponse:
 
 def surface_response(material: Mapping[str, float]) -> SurfaceResponse:
     """Surface response of a material."""
-    m = material
-    Q = np.diag([m["c11"], m["c44"], -m["eps11"], -m["mu11"]])
-    Q[1, 2:] = Q[2:, 1] = m["e15"], m["f15"]
-    Q[2, 3] = Q[3, 2] = -m["g11"]
-    T = np.diag([m["c44"], m["c33"], -m["eps33"], -m["mu33"]])
-    T[1, 2:] = T[2:, 1] = m["e33"], m["f33"]
-    T[2, 3] = T[3, 2] = -m["g33"]
-    R = np.zeros((4, 4))
-    R[0, 1:], R[1:, 0] = (m["c13"], m["e31"], m["f31"]), (m["c44"], m["e15"], m["f15"])
+    Q, R, T = blocks(material)
     scale = UNITS[:, None] * UNITS / STIFFNESS
     local, compliance = angular_integrals(*((block * scale) for block in (Q, R, T)))
     return SurfaceResponse(local * scale, compliance * scale, Q, R, T)

@@ -30,6 +30,7 @@ from solver.material.constants import Material
 from solver.material.library import find
 from solver.material.punches import RIGID_PUNCH, find_punch
 from solver.point.profile import SAMPLES, Shape
+from solver.point.system import added_forms
 from solver.point.table import PointKind, window
 
 #: Films by their title, with the factors that make them.
@@ -154,7 +155,8 @@ def _entries(kinds: list[PointKind], place: float, shown: tuple[int, ...]) -> tu
         table_window = window(point_kind, number)
         loads.append(table_window.read(np.array([place]))[0, :2][:, _CHANNELS][:, :, causes])
         places = np.full(len(causes), place)
-        pressures.append(table_window.pressures(places, np.eye(4)[causes])[:, list(shown)])
+        added = table_window.tractions(places, np.eye(4)[causes])[:, 0]
+        pressures.append(-added @ added_forms(SAMPLES[list(shown)], added.shape[-1]).T)
     return np.concatenate(loads, axis=-1).ravel(), np.concatenate(pressures).T.ravel()
 
 

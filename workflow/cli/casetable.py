@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, TextIO
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from solver import units
@@ -65,9 +66,7 @@ class Table:
 
     def empty(self, name: str) -> NDArray[np.bool_]:
         """Return whether each cell of a column is empty, (case,)."""
-        column = self.columns[name]
-        empty: NDArray[np.bool_] = np.isnan(column) if column.dtype.kind == "f" else column == np.array(None)
-        return empty
+        return np.asarray(pd.isna(self.columns[name]))
 
     def numbers(self, name: str, needs: str) -> NDArray[np.float64]:
         """A column of numbers of which every row of a file has one."""

@@ -41,6 +41,10 @@ def _optional(name: str, metavar: str, words: str | None = None, **details: Any)
     return _option(name, nargs="?", metavar=metavar, help=words, **details)
 
 
+def _number(name: str, metavar: str, words: str, **details: Any) -> Option:
+    return _option(name, type=float, metavar=metavar, help=words, **details)
+
+
 def _written(words: str | None = None, *, required: bool = True, **endings: str) -> Option:
     names = "|".join(f"OUT.{ending}" for ending in endings)
     return _option("-o", "--output", type=written_as(**endings), required=required, metavar=names, help=words)
@@ -111,9 +115,7 @@ COMMANDS = {
         _optional("table", "AT.csv", "table of points: one row a point, one column an input", type=Path),
         _option("--at", metavar="NAME=VALUE,...", help="one point, whose answer is printed"),
         _written(required=False, csv="CSV"),
-        _option(
-            "--level", type=float, metavar="SHARE", help="share of cases that intervals contain; default: the study's"
-        ),
+        _number("--level", "SHARE", "share of cases that intervals contain; default: the study's"),
         _SI,
         _option("--extrapolate", action="store_true", help="answer outside the trained box as well, with a flag"),
         _option("--exact", metavar="STUDY", help="the surrogate's study: also solve the points exactly"),
@@ -173,9 +175,7 @@ COMMANDS = {
             metavar="NAME=VALUE,...",
             help="'input_capacitance=10 pF,input_resistance=1 GOhm'",
         ),
-        _option(
-            "--temperature", type=float, default=293.15, metavar="K", help="temperature of the circuit; default: 293.15"
-        ),
+        _number("--temperature", "K", "temperature of the circuit; default: 293.15", default=293.15),
         _option("--parts", type=int, default=1, help="number of parts of every interval between rows; default: 1"),
         _written(csv="CSV"),
         _MATERIALS,
@@ -193,13 +193,7 @@ COMMANDS = {
         _SURROGATE,
         _option("--as", dest="form", required=True, choices=["c", "fmu"]),
         _option("--outputs", metavar="NAME,...", help="default: all"),
-        _option(
-            "--error",
-            type=float,
-            default=1e-5,
-            metavar="SHARE",
-            help="largest error over an output's range; default: 1e-5",
-        ),
+        _number("--error", "SHARE", "largest error over an output's range; default: 1e-5", default=1e-5),
         _option("--precision", choices=["single", "double"], default="double", help="default: double"),
         _option("-o", "--output", type=Path, metavar="NAME.c|.fmu", help="default: the study's name, in this folder"),
         description=(

@@ -86,23 +86,20 @@ class Progress(logging.Filter):
     def clear(self) -> None:
         """Take the line from the terminal."""
         if self._terminal:
-            self._stream.write(_CLEAR)
-            self._stream.flush()
+            print(end=_CLEAR, file=self._stream, flush=True)
 
     def _begin(self, record: logging.LogRecord) -> None:
         words = step(self._study, str(record.__dict__["rule_name"]), dict(record.__dict__.get("wildcards") or {}))
         self._running[int(record.__dict__["jobid"])] = words
         if not self._terminal:
-            self._stream.write(f"{words}\n")
-            self._stream.flush()
+            print(words, file=self._stream, flush=True)
 
     def _show(self) -> None:
         if not self._terminal or not self._running:
             return
         share = f"{self._done} of {self._total} steps done; " if self._total else ""
         line = f"{share}{', '.join(self._running.values())}"
-        self._stream.write(_CLEAR + line[: shutil.get_terminal_size().columns - 1])
-        self._stream.flush()
+        print(end=_CLEAR + line[: shutil.get_terminal_size().columns - 1], file=self._stream, flush=True)
 
 
 class _Unprofiled:

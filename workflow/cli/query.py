@@ -1,7 +1,6 @@
 """``meecontact query``: predictions of a surrogate, printed or as a table, with exact answers on request."""
 
 import argparse
-from collections.abc import Mapping, Sequence
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING
 
@@ -55,7 +54,7 @@ def query(options: argparse.Namespace) -> None:
 
 
 def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate: bool) -> xr.Dataset:
-    """Every output of the model at every row, with intervals, over dimension ``point``."""
+    """``<output>``, ``<output>_std``, ``_lower`` and ``_upper`` of every output at every row, over ``point``."""
     for name in table.columns:
         if name not in model.box:
             raise InputError(f"{table.source}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
@@ -65,7 +64,8 @@ def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolat
     wrong = outside(X, model.inputs_)
     try:
         with np.errstate(all="ignore"):  # what is not finite is named below
-            answer = predicted(model, named, level, extrapolate=extrapolate)
+            answer = model.predict(named, extrapolate=extrapolate)
+            answer = answer.assign(model.interval(named, level, extrapolate=extrapolate).data_vars)
     except OutOfBoxError as error:
         raise InputError(f"{table.at(int((~model.has_answers(X)).argmax()))}: {error}") from None
     except ValueError as error:
@@ -79,7 +79,8 @@ def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolat
             if wrong[row, k]
         )
         raise InputError(f"{table.at(row)}: {far}: no finite answer so far outside of the trained box")
-    return answer
+    names = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
+    return answer[names + (["extrapolated"] if extrapolate else [])]
 
 
 def study_of(model: GaussianProcess, text: str) -> "Study":
@@ -109,29 +110,6 @@ def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study:
 def _print_answer(answer: xr.Dataset, outputs: list[str], level: float, *, si: bool) -> None:
     if "extrapolated" in answer and bool(answer["extrapolated"].values[0]):
         print("extrapolated: the point lies outside the trained box; its intervals are not to be trusted")
-    said = prediction_table(answer, outputs, level, si=si)
-    for name in outputs:
-        exact = ""
-        if f"{name}_exact" in answer:
-            solved = answer[f"{name}_exact"]
-            value, units = float(solved.values[0]), str(solved.attrs.get("units", ""))
-            scale, text = (1.0, units) if si else prefixed(abs(value), units)
-            exact = f"  exact {value / scale:.10g} {text}"
-        print(one_line(f"{said[name]}{exact}").rstrip())
-
-
-def predicted(
-    model: GaussianProcess, points: Mapping[str, xr.DataArray], level: float, *, extrapolate: bool = False
-) -> xr.Dataset:
-    """``<output>``, ``<output>_std``, ``<output>_lower`` and ``<output>_upper`` of every output, in this order."""
-    answer = model.predict(points, extrapolate=extrapolate)
-    whole = answer.assign(model.interval(points, level, extrapolate=extrapolate).data_vars)
-    names = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
-    return whole[names + (["extrapolated"] if extrapolate else [])]
-
-
-def prediction_table(answer: xr.Dataset, outputs: Sequence[str], level: float, *, si: bool = False) -> dict[str, str]:
-    """A line for every output, ``name value [lower, upper] unit (95 %)`` at the first point, all of one length."""
     units = {name: str(answer[name].attrs.get("units", "")) for name in outputs}
     ends = {name: [float(answer[f"{name}{part}"].values[0]) for part in ("", "_lower", "_upper")] for name in outputs}
     lines = {
@@ -139,7 +117,13 @@ def prediction_table(answer: xr.Dataset, outputs: Sequence[str], level: float, *
         for name, (value, lower, upper) in ends.items()
     }
     length = max(map(len, lines.values()))
-    return {name: line.ljust(length) for name, line in lines.items()}
+    for name, line in lines.items():
+        exact = ""
+        if f"{name}_exact" in answer:
+            value = float(answer[f"{name}_exact"].values[0])
+            scale, text = (1.0, units[name]) if si else prefixed(abs(value), units[name])
+            exact = f"  exact {value / scale:.10g} {text}"
+        print(one_line(f"{line:{length}s}{exact}").rstrip())
 
 
 def shown(

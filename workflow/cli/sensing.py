@@ -10,7 +10,7 @@ import xarray as xr
 from pydantic import ValidationError
 
 from approximation.arrays import Array, Indices
-from solver import Material, solve
+from solver import solve
 from solver.body import Kind, kind_of
 from solver.face.cases import Cases
 from solver.face.factors import checked
@@ -56,9 +56,10 @@ def signal(options: argparse.Namespace) -> None:
     if len(history.times) * options.parts > _MOST_TIMES:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {_MOST_TIMES} times")
     most = float(history.forces.max())
-    material = material_of(Cases(checked({**case, kind.loads.force: most}), materials, ("BaTiO3", "CoFe2O4")))
+    pressed = {**case, kind.loads.force: most / length}
+    material = material_of(Cases(checked(pressed), materials, ("BaTiO3", "CoFe2O4")))
     if bare:
-        _check_unit(options.history, most, solve({**case, kind.loads.force: most / length}, materials=materials))
+        _check_unit(options.history, most, solve(pressed, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
@@ -66,15 +67,19 @@ def signal(options: argparse.Namespace) -> None:
     if contact.roughness > _ROUGH:
         say(f"the contact's curves are not smooth over these forces: they are met to {contact.roughness:.1g} only")
     history = history.divided(options.parts)
-    warm = None
+    figures = Figures.of_contact(contact, circuit, temperature)
+    heat, heat_lines = None, list[str]()
     if history.temperatures is not None:
-        warm = _warmth(options.history, case, kind, most / length, history, length, materials)
-    heat = None if warm is None else warm.charge(history)
+        if not kind.layered:
+            raise InputError(f"{options.history}: temperature: heat is of films; the case has no thickness")
+        with located(f"{options.history}: temperature", HeatError):
+            solved = solve(pressed, materials=materials)
+            warm = Warmth.of_case(case, solved, history, length=length, materials=materials)
+        heat = warm.charge(history)
+        heat_lines = _heat_figures(history, heat, warm, figures)
     reading = read(history, contact, circuit, heat)
     written = _write(path, history, reading, heat)
-    print("\n".join(_figures(history, reading, contact, circuit, temperature)))
-    if warm is not None and heat is not None:
-        print("\n".join(_heat_figures(history, heat, warm, contact, circuit, temperature)))
+    print("\n".join([*_figures(history, reading, contact, circuit, figures), *heat_lines]))
     count = len(history.times)
     thinned = "" if written == count else f" of {count}: in groups, the first and the extremes of force and voltage"
     say(f"wrote {path}: {written} times{thinned}")
@@ -118,33 +123,11 @@ def read_history(path: Path, length: float | None) -> tuple[History, bool]:
     return History(times, np.maximum(forces, 0.0) * scale, temperatures), pressing == "force" and "force" in table.bare
 
 
-def _warmth(
-    path: Path,
-    case: dict[str, Any],
-    kind: Kind,
-    load: float,
-    history: History,
-    length: float,
-    materials: dict[str, Material],
-) -> Warmth:
-    """Warmth of the contact under the largest load."""
-    if not kind.layered:
-        raise InputError(f"{path}: temperature: heat is of films; the case has no thickness")
-    solved = solve({**case, kind.loads.force: load}, materials=materials)
-    with located(f"{path}: temperature", HeatError):
-        return Warmth.of_case(case, solved, history, length=length, materials=materials)
-
-
-def _heat_figures(
-    history: History, heat: Array, warm: Warmth, contact: ContactCurves, circuit: Circuit, temperature: float
-) -> list[str]:
+def _heat_figures(history: History, heat: Array, warm: Warmth, figures: Figures) -> list[str]:
     """Return the printed lines about the heat of a signal."""
     place = int(np.abs(heat).argmax())
-    figures = Figures.of_contact(contact, circuit, temperature)
     touch = f"{shown(abs(float(heat[place]) / figures.charge), '1', 3)} times the charge of the largest force"
-    lines = [
-        f"heat: {shown(float(heat[place]), 'C', 3)} at {shown(float(history.times[place]), 's', 3)}, {touch}",
-    ]
+    lines = [f"heat: {shown(float(heat[place]), 'C', 3)} at {shown(float(history.times[place]), 's', 3)}, {touch}"]
     after = float(history.times[-1] - history.times[0])
     per_kelvin = abs(float(warm.sizes @ -np.expm1(-warm.rates * after)))
     if per_kelvin:
@@ -220,10 +203,9 @@ def _drawn_rows(voltage: Array, forces: Array) -> Indices:
 
 
 def _figures(
-    history: History, reading: Signal, contact: ContactCurves, circuit: Circuit, temperature: float
+    history: History, reading: Signal, contact: ContactCurves, circuit: Circuit, figures: Figures
 ) -> list[str]:
     """Return the printed lines about a signal."""
-    figures = Figures.of_contact(contact, circuit, temperature)
     noise, at_output, as_force = figures.noise
     constant = "is held: nothing leaks"
     if np.isfinite(figures.time_constant):

@@ -18,7 +18,7 @@ import solver
 from approximation.arrays import Indices
 from solver import FactorError, Material, MaterialError, SmallStrainWarning, solve, solve_interior
 from solver.body import around, kind_of, solids
-from solver.face.filmfactors import settled
+from solver.face.factorvalues import settled
 from solver.face.rows import joined
 from solver.face.strain import Excess, sentence
 from solver.material.punches import RIGID_PUNCH
@@ -76,8 +76,7 @@ def solve_table(options: argparse.Namespace) -> None:
     _tell_missing(*_lacking(table, out), out.attrs.get("heat", ""))
     if options.output is None:
         case = out.isel(case=0)
-        notes = [_defaults(table, case), *_left_out(table, options.known)]
-        print("\n".join([*_lines(case, si=options.si), "", *notes]))
+        print("\n".join([*_lines(case, si=options.si), "", *_notes(table, case, options.known)]))
     else:
         write_whole(out, options.output)
         _tell_written(options, table.count, f"{sum(name in ALL_QUANTITIES for name in out.data_vars)} quantities")
@@ -168,37 +167,27 @@ def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
         yield one_line(f"{name:34s} {value + 0.0:.{_PRINTED}g} {unit}".rstrip())  # no -0
 
 
-def _defaults(table: Table, case: xr.Dataset) -> str:
-    """A line with the defaults that the one case of a table takes."""
-    named = table.columns.keys()
-    around, profile = (
-        str(case[name].item()) if name in case.coords else CHOICES[name][0] for name in ("surroundings", "profile")
-    )
-    kind = kind_of([*named], profile, around, solids({name: cells[0] for name, cells in table.columns.items()}))
-    coupled = {"electric": "voltage", "magnetic": "magnetic_potential"}
-    charged = [name for name, potential in coupled.items() if potential in solver.table(case).index]
-    fields = [name for name in coupled if name in charged or name in named]
-    composite = {"composite": CHOICES["composite"][0]} if "volume_fraction" in named else {}
-    taken = (
-        composite | {"profile": profile} | ({} if named & {*OF_A_PUNCH} else {"punch": RIGID_PUNCH}) | {"friction": 0}
-    )
-    taken |= {name: CHOICES[name][0] for name in fields}
-    taken |= {f"interface_{name}": CHOICES[f"interface_{name}"][0] for name in fields if kind.layered}
-    taken |= {name: 0 for name, field in zip(kind.loads.charges, coupled, strict=True) if field in charged}
-    taken |= {"surroundings": around} if kind.layered else {}
-    taken |= {"datum": "1 m"} if kind.contact == "line" else {}
-    return "defaults: " + ", ".join(f"{name} {value}" for name, value in taken.items() if name not in named)
-
-
-def _left_out(table: Table, known: Mapping[str, Material]) -> Iterator[str]:
-    """A line for each effect that the model leaves out at the one case of a table."""
-    case = {name: cells.tolist()[0] for name, cells in table.columns.items()}
+def _notes(table: Table, out: xr.Dataset, known: Mapping[str, Material]) -> Iterator[str]:
+    """Lines with the defaults that the one case of a table takes, and with the effects that the model leaves out."""
     # a table needs neither studies nor designs
     from workflow.design.verdict import leftout
     from workflow.study.allowable import allowable
 
+    case = {name: cells.tolist()[0] for name, cells in table.columns.items()}
+    profile = str(case.get("profile") or CHOICES["profile"][0])
     surroundings = str(case.get("surroundings") or around(case))
-    kind = kind_of([*case], str(case.get("profile") or CHOICES["profile"][0]), surroundings, solids(case))
+    kind = kind_of([*case], profile, surroundings, solids(case))
+    coupled = {"electric": "voltage", "magnetic": "magnetic_potential"}
+    charged = [name for name, potential in coupled.items() if potential in solver.table(out).index]
+    fields = [name for name in coupled if name in charged or name in case]
+    taken: dict[str, object] = {"composite": CHOICES["composite"][0]} if "volume_fraction" in case else {}
+    taken |= {"profile": profile} | ({} if case.keys() & {*OF_A_PUNCH} else {"punch": RIGID_PUNCH}) | {"friction": 0}
+    taken |= {name: CHOICES[name][0] for name in fields}
+    taken |= {f"interface_{name}": CHOICES[f"interface_{name}"][0] for name in fields if kind.layered}
+    taken |= {name: 0 for name, field in zip(kind.loads.charges, coupled, strict=True) if field in charged}
+    taken |= {"surroundings": surroundings} if kind.layered else {}
+    taken |= {"datum": "1 m"} if kind.contact == "line" else {}
+    yield "defaults: " + ", ".join(f"{name} {value}" for name, value in taken.items() if name not in case)
     solved, limit = partial(solve, materials=known), partial(allowable, factors=case, materials=known, phases=_PHASES)
     single = leftout.SolvedCase(kind, case, solved, limit, {}, materials=known)
     with warnings.catch_warnings():
@@ -266,9 +255,11 @@ def solved(
     Contacts beyond small strain are warned of, or else join those that were found.
     """
     table = _surrounded(table)
+    # cylinders on half-planes the solver parts itself
+    most = _CASES if {"profile", "thickness", "surroundings"} & table.columns.keys() else _CLOSED
     excesses, parts, taken, size = list[Excess](), list[xr.Dataset](), list[Indices](), 0.0
     with tqdm(total=table.count, unit=" cases", delay=2, disable=None, leave=False) as bar:
-        for names, rows in _blocks(table, min(_cases(table), max(1, _VALUES // points))):
+        for names, rows in _blocks(table, min(most, max(1, _VALUES // points))):
             try:
                 with warnings.catch_warnings(record=True) as caught:
                     warnings.simplefilter("always", SmallStrainWarning)
@@ -291,11 +282,6 @@ def solved(
     elif excesses:
         say(f"meecontact: warning: {sentence(excesses, table.count)}")
     return joined(taken, parts)
-
-
-def _cases(table: Table) -> int:
-    """Cases of a table that are solved at a time: cylinders on half-planes, which the solver parts itself, are many."""
-    return _CASES if {"profile", "thickness", "surroundings"} & table.columns.keys() else _CLOSED
 
 
 def _surrounded(table: Table) -> Table:

@@ -104,6 +104,7 @@ def exact(
     positions: Iterable[float] | None = None,  # of the surface fields, over the half-width; None: no fields
     *,
     peaks: Collection[str] | None = None,  # largest stresses; None: those that the data set has
+    outputs: Collection[str] | None = None,  # quantities; None: those that the data set has, or all
     regular: bool = False,  # whether the regular parts of the surface fields are wanted
     curves: bool = False,  # whether the curves that the surrogate learns are wanted
     cache: CaseCache | None = None,  # of what was solved before
@@ -120,15 +121,17 @@ def exact(
     factors = {**study.fixed_of_cases, **factors_of_groups, **other_axes}
 
     searched = study.searched if peaks is None else peaks
+    asked = study.asked if outputs is None else outputs
 
     def whole(cases: Mapping[str, Any]) -> xr.Dataset:
-        solved = study.solved(solve, cases, positions, peaks=searched, regular=regular)
+        solved = study.solved(solve, cases, positions, peaks=searched, outputs=asked, regular=regular)
         if not (curves and study.regions):
             return solved
         along = study.solved(solve_curves, cases, study.regions)
         return solved.merge(along, compat="override", join="exact", combine_attrs="override")
 
-    options = {"peaks": sorted(searched), "regular": regular, "regions": study.regions if curves else []}
+    options: dict[str, Any] = {"peaks": sorted(searched), "outputs": asked, "regular": regular}
+    options |= {"regions": study.regions if curves else []}
     options |= {"positions": None if positions is None else list(map(float, positions))}
     entrance = whole if cache is None else cache.around(study, whole, options)
     try:

@@ -84,23 +84,17 @@ class Circuit:
     def noise(self, contact: float, temperature: float) -> float:
         """Charge at the input that is the noise, root mean square [C].
 
-        The amplifier's, as the figure ``smallest_force`` of a device without heat has it, and k T C of the capacitance
-        that a resistance discharges: of the feedback, or of all of it.
+        The figure ``smallest_force`` of a device: the amplifier's noise, and k T C of the capacitance that a resistance
+        discharges, which is the feedback, or all of the circuit.
         """
-        feedback = self.numbers.get("feedback_capacitance", 0.0)
-        amplifier = self._figure("smallest_force", contact + feedback, charge_per_force=1.0)
-        discharged = feedback or contact + self.capacitance
-        return float(np.hypot(amplifier, np.sqrt(BOLTZMANN * temperature * discharged)))
+        feedback, energy = self.numbers.get("feedback_capacitance", 0.0), BOLTZMANN * temperature
+        heat = {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
+        return self._figure("smallest_force", contact + feedback, charge_per_force=1.0, **heat)
 
     def _figure(self, name: str, contact: float, **known: float) -> float:
         """A figure of a device with a contact of some capacitance [F]."""
         numbers = {"charge_noise": 0.0, "voltage_noise": 0.0, "cable_capacitance": 0.0, **self.numbers, **known}
-        numbers |= {
-            "capacitance_per_length": contact,
-            "electrode_length": 1.0,
-            "thermal_energy": 0.0,
-            "feedback_heat": 0.0,
-        }
+        numbers |= {"capacitance_per_length": contact, "electrode_length": 1.0}
         expression = grammar.parse(name)
         return float(expression.evaluate({symbol: np.array(numbers[symbol]) for symbol in expression.names()}))
 

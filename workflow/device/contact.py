@@ -56,13 +56,25 @@ class ContactCurves:
         solved: Solver = solve,
         body: Stack | None = None,
     ) -> Self:
-        """Curves of a case from the exact solver."""
+        """Curves of a case from the exact solver; ``body`` has the electrode of a case that is read at a patch."""
+        kind = _readable(case, body)
         forces = largest_force * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
-        charge, capacitance = response(case, forces, length=length, solved=solved, body=body)
-        plates = float(capacitance[0]) if body is not None and "collector" in case else None
-        log = np.log(capacitance) if plates is None else 0 * charge
-        air = plates is None and (case.get("surroundings") or around(case)) == AIR
-        return cls(largest_force, coefficients(np.stack([charge, log]), axis=1), plates, air)
+        answer = solved({**case, kind.loads.force: forces / length})
+        if body is not None and "collector" in case:
+            charge = np.broadcast_to(answer["patch_charge_per_force"].values, forces.shape)
+            size = float(case["patch_size"])
+            area = size * length if kind.contact == "line" else np.pi * size**2 / 4
+            plates = Electrode(body, int(case["collector"])).capacitance * area
+            return cls(largest_force, coefficients(np.stack([charge, 0 * charge]), axis=1), plates)
+        if "charge_per_force" not in answer:
+            raise FactorError("electric: a punch that does not conduct has no charge to be read")
+        charge = np.broadcast_to(answer["charge_per_force"].values, forces.shape)
+        with np.errstate(all="ignore"):
+            capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
+        if not (np.isfinite(capacitance) & (capacitance > 0)).all():
+            raise FactorError("contact: its force makes no charge: nothing to be read")
+        curves = coefficients(np.stack([charge, np.log(capacitance)]), axis=1)
+        return cls(largest_force, curves, air=(case.get("surroundings") or around(case)) == AIR)
 
     def charge(self, force: Array) -> Array:
         """Charge at zero volts [C] at forces from 0 to the largest, (force,)."""
@@ -109,33 +121,6 @@ class ContactCurves:
         """Last coefficients over the largest: an estimate of the polynomials' error."""
         size = np.abs(self.curves if self.plates is None else self.curves[:1])
         return float(np.max(size[:, -2:].max(axis=1) / size.max(axis=1)))
-
-
-def response(
-    case: Mapping[str, Any],
-    forces: Array,
-    *,
-    length: float = 1.0,
-    solved: Solver = solve,
-    body: Stack | None = None,
-) -> tuple[Array, Array]:
-    """Charge per force at zero volts [C/N] and capacitance [F] of a case at forces (force,); (force,) each."""
-    kind = _readable(case, body)
-    answer = solved({**case, kind.loads.force: forces / length})
-    if body is not None and "collector" in case:
-        charge = np.broadcast_to(answer["patch_charge_per_force"].values, forces.shape)
-        size = float(case["patch_size"])
-        area = size * length if kind.contact == "line" else np.pi * size**2 / 4
-        plates = Electrode(body, int(case["collector"])).capacitance * area
-        return charge, np.full(forces.shape, plates)
-    if "charge_per_force" not in answer:
-        raise FactorError("electric: a punch that does not conduct has no charge to be read")
-    charge = np.broadcast_to(answer["charge_per_force"].values, forces.shape)
-    with np.errstate(all="ignore"):
-        capacitance = -charge * forces / np.broadcast_to(answer["voltage"].values, forces.shape)
-    if not (np.isfinite(capacitance) & (capacitance > 0)).all():
-        raise FactorError("contact: its force makes no charge: nothing to be read")
-    return charge, capacitance
 
 
 def film(case: Mapping[str, Any], material: Material) -> Stack:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from functools import partial
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,7 @@ from workflow.study.sections import Pressing
 _PARTS = 40  # into which each part of the history is divided
 
 
-def history(pressing: Pressing, case: Mapping[str, Any] = MappingProxyType({})) -> History:
+def history(pressing: Pressing, case: Mapping[str, Any]) -> History:
     """The forces: even up, held, even down, and a fifth of the hold without; so is what touches, if it is warm."""
     times = np.cumsum([0.0, pressing.press, pressing.hold, pressing.press, pressing.hold / 5])
     shape, temperatures = np.array([0.0, 1.0, 1.0, 0.0, 0.0]), None

@@ -1,9 +1,10 @@
 """Arithmetic of quantities as a tree that knows its value, its derivatives and its unit."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -92,95 +93,60 @@ class Name(Expression):
 
 @dataclass(frozen=True)
 class Operation(Expression):
-    """``left symbol right`` with + - * /."""
+    """An operator or function of other expressions, by its symbol or name in `_RULES`."""
 
     symbol: str
-    left: Expression
-    right: Expression
-
-    def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """Value and derivatives of a sum, product or quotient."""
-        a, da = self.left.partials(values)
-        b, db = self.right.partials(values)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a pole is found and named by the search
-            if self.symbol in "+-":
-                sign = 1.0 if self.symbol == "+" else -1.0
-                return a + sign * b, _combined((1.0, da), (sign, db))
-            if self.symbol == "*":
-                return a * b, _combined((b, da), (a, db))
-            return a / b, _combined((1 / b, da), (-a / b**2, db))
-
-    def unit(self) -> units.Unit | None:
-        """Equal units add; products and quotients multiply."""
-        a, b = self.left.unit(), self.right.unit()
-        if self.symbol in "+-":
-            if a is not None and b is not None and not a.fits(b):
-                raise ValueError(f"{str(a)!r} and {str(b)!r} cannot be added (unit mismatch)")
-            return a or b
-        if a is None and b is None:
-            return None
-        a, b = a or units.Unit.none(), b or units.Unit.none()
-        return a * (b if self.symbol == "*" else b.power(Fraction(-1)))
-
-
-@dataclass(frozen=True)
-class Power(Expression):
-    """An integer power."""
-
-    base: Expression
-    exponent: int
-
-    def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """Value and derivatives of a power."""
-        a, da = self.base.partials(values)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            slope = self.exponent * a ** float(self.exponent - 1) if self.exponent else np.zeros_like(a)
-            return a ** float(self.exponent), _combined((slope, da))
-
-    def unit(self) -> units.Unit | None:
-        """The base's unit, raised."""
-        inner = self.base.unit()
-        return inner.power(Fraction(self.exponent)) if inner is not None else None
-
-
-@dataclass(frozen=True)
-class Call(Expression):
-    """A function of one argument; min and max take two or more."""
-
-    function: str
-    arguments: tuple[Expression, ...]
+    parts: tuple[Expression, ...]
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
         """Value and derivatives by the chain rule; at a kink the derivative from one side."""
-        parts = [argument.partials(values) for argument in self.arguments]
-        a, da = parts[0]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            if self.function == "abs":
-                return np.abs(a), _combined((np.where(a < 0, -1.0, 1.0), da))
-            if self.function == "sqrt":
-                return np.sqrt(a), _combined((0.5 / np.sqrt(a), da))
-            if self.function == "log":
-                return np.log(a), _combined((1 / a, da))
-            if self.function == "exp":
-                return np.exp(a), _combined((np.exp(a), da))
-        stack = np.stack(np.broadcast_arrays(*(value for value, _ in parts)))
-        chosen = stack.argmin(0) if self.function == "min" else stack.argmax(0)
-        value = np.take_along_axis(stack, chosen[None], 0)[0]
-        return value, _combined(*((np.where(chosen == k, 1.0, 0.0), slope) for k, (_, slope) in enumerate(parts)))
+        parts = [part.partials(values) for part in self.parts]
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a pole is found and named by the search
+            value, *slopes = _RULES[self.symbol](*(value for value, _ in parts))
+            return value, _combined(*zip(slopes, (inner for _, inner in parts), strict=True))
 
     def unit(self) -> units.Unit | None:
-        """That of the arguments, its root, or none."""
-        inner = [unit for unit in (argument.unit() for argument in self.arguments) if unit is not None]
-        for other in inner[1:]:
-            if not other.fits(inner[0]):
-                raise ValueError(
-                    f"{self.function}: {str(inner[0])!r} and {str(other)!r} cannot be compared (unit mismatch)"
-                )
-        if not inner:
+        """Equal units add and compare; products and quotients multiply; powers and roots have those of their unit."""
+        inner = [part.unit() for part in self.parts]
+        known = [unit for unit in inner if unit is not None]
+        if not known:
             return None
-        if self.function in ("log", "exp") and not inner[0].fits(units.Unit.none()):
-            raise ValueError(f"{self.function} needs a pure number, not {str(inner[0])!r} (unit mismatch)")
-        return inner[0].power(Fraction(1, 2)) if self.function == "sqrt" else inner[0]
+        if self.symbol in ("*", "/"):
+            left, right = (unit or units.Unit.none() for unit in inner)
+            return left * (right if self.symbol == "*" else right.power(Fraction(-1)))
+        if isinstance(power := self.parts[-1], Number) and self.symbol == "^":
+            return known[0].power(Fraction(int(power.value)))
+        for other in known[1:]:
+            if not other.fits(known[0]):
+                how, named = ("added", "") if self.symbol in ("+", "-") else ("compared", f"{self.symbol}: ")
+                raise ValueError(f"{named}{str(known[0])!r} and {str(other)!r} cannot be {how} (unit mismatch)")
+        if self.symbol in ("log", "exp") and not known[0].fits(units.Unit.none()):
+            raise ValueError(f"{self.symbol} needs a pure number, not {str(known[0])!r} (unit mismatch)")
+        return known[0].power(Fraction(1, 2)) if self.symbol == "sqrt" else known[0]
+
+
+def _chosen(place: Callable[..., Any], *values: Array) -> tuple[Any, ...]:
+    """The value at a place among several, and its slopes by each: 1 by the one that is chosen."""
+    stack = np.stack(np.broadcast_arrays(*values))
+    chosen = place(stack, axis=0)
+    slopes = (np.where(chosen == k, 1.0, 0.0) for k in range(len(values)))
+    return np.take_along_axis(stack, chosen[None], 0)[0], *slopes
+
+
+#: Value of each operator and function, then its derivative by each part.
+_RULES: dict[str, Callable[..., tuple[Any, ...]]] = {
+    "+": lambda a, b: (a + b, 1.0, 1.0),
+    "-": lambda a, b: (a - b, 1.0, -1.0),
+    "*": lambda a, b: (a * b, b, a),
+    "/": lambda a, b: (a / b, 1 / b, -a / b**2),
+    "^": lambda a, b: (a**b, np.where(b == 0, 0.0, b * a ** (b - 1)), 0.0),  # whose exponent is a number
+    "abs": lambda a: (np.abs(a), np.where(a < 0, -1.0, 1.0)),
+    "sqrt": lambda a: (np.sqrt(a), 0.5 / np.sqrt(a)),
+    "log": lambda a: (np.log(a), 1 / a),
+    "exp": lambda a: (np.exp(a), np.exp(a)),
+    "min": partial(_chosen, np.argmin),
+    "max": partial(_chosen, np.argmax),
+}
 
 
 def _combined(*parts: tuple[Any, Partials]) -> Partials:

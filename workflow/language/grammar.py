@@ -18,7 +18,7 @@ from math import isfinite
 from solver import units
 from solver.names import ALL_QUANTITIES
 from workflow.language.constants import CONSTANTS, FIGURES_BY, Meeting
-from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.language.expressions import Expression, Name, Number, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.spelling import nearest
 
@@ -93,13 +93,13 @@ class _Parser:
             raise ValueError(f"nested more than {DEEPEST} deep")
         tree = self._product(depth)
         while sign := self._take("+", "-"):
-            tree = Operation(sign, tree, self._product(depth))
+            tree = Operation(sign, (tree, self._product(depth)))
         return tree
 
     def _product(self, depth: int) -> Expression:
         tree = self._signed(depth)
         while sign := self._take("*", "/"):
-            tree = Operation(sign, tree, self._signed(depth))
+            tree = Operation(sign, (tree, self._signed(depth)))
         return tree
 
     def _signed(self, depth: int) -> Expression:
@@ -107,14 +107,14 @@ class _Parser:
             raise ValueError(f"nested more than {DEEPEST} deep")
         if sign := self._take("-", "+"):
             inner = self._signed(depth + 1)
-            return Operation("*", Number(-1.0), inner) if sign == "-" else inner
+            return Operation("*", (Number(-1.0), inner)) if sign == "-" else inner
         atom = self._atom(depth)
         if self._take("^", "**"):
             sign, exponent = self._take("-", "+"), self._peek()
             if not exponent.isdecimal() or int(exponent) > 9:
                 raise ValueError("an exponent must be a whole number from -9 to 9")
             self._at += 1
-            return Power(atom, int(sign + exponent))
+            return Operation("^", (atom, Number(float(sign + exponent))))
         return atom
 
     def _atom(self, depth: int) -> Expression:
@@ -156,7 +156,7 @@ class _Parser:
         count = FUNCTIONS[function]
         if len(arguments) < count or (count == 1 and len(arguments) > 1):
             raise ValueError(f"{function} takes {count}{' or more' if count > 1 else ''}, not {len(arguments)}")
-        return self._closed(Call(function, tuple(arguments)))
+        return self._closed(Operation(function, tuple(arguments)))
 
     def _closed(self, tree: Expression) -> Expression:
         if not self._take(")"):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from solver.names import ALL_QUANTITIES, NEVER_TEMPERATURE, NEVER_TIME
 from workflow.language import statements
 from workflow.language.constants import FIGURES
-from workflow.language.expressions import Call, Expression, Name, Operation
+from workflow.language.expressions import Expression, Name, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.numbers import shown
 from workflow.language.wordings import TITLES
@@ -40,10 +40,10 @@ def spoken(expression: Expression, text: str) -> str:
         return title(figure)
     if isinstance(expression, Name):
         return title(expression.name)
-    if isinstance(expression, Call) and expression.function == "abs":
-        return spoken(expression.arguments[0], text)
+    if isinstance(expression, Operation) and expression.symbol == "abs":
+        return spoken(expression.parts[0], text)
     if isinstance(expression, Operation) and expression.symbol == "/":
-        parts = [spoken(part, "") for part in (expression.left, expression.right)]
+        parts = [spoken(part, "") for part in expression.parts]
         return " over ".join(parts) if all(parts) else in_words(text)
     return in_words(text)
 
@@ -63,12 +63,11 @@ def stated(statement: statements.Statement) -> str:
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
     """Goals of a design in words, as the title of its card."""
-    return capital(listed([_superlative(goal) for goal in goals]))
-
-
-def _superlative(goal: statements.Objective) -> str:
-    words, most = stated(goal), "largest" if goal.maximise else "smallest"
-    return words if words.startswith(most) else f"{most} {words}"
+    parts = []
+    for goal in goals:
+        words, most = stated(goal), "largest" if goal.maximise else "smallest"
+        parts.append(words if words.startswith(most) else f"{most} {words}")
+    return capital(listed(parts))
 
 
 def units(statement: statements.Statement, si: str) -> str:

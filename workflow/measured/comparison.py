@@ -240,41 +240,31 @@ def deviation(row: Measurement, value: Spread) -> float | None:
 def judged(row: Measurement, model: Sequence[Spread], rivals: Sequence[Spread] = ()) -> Verdict:
     """The verdict on a row."""
     deviations, others = (tuple(deviation(row, value) for value in values) for values in (model, rivals))
-    word, because = _said(row, deviations, others, model)
-    return Verdict(word, because, deviations, others)
-
-
-def _said(
-    row: Measurement, deviations: Sequence[float | None], others: Sequence[float | None], model: Sequence[Spread]
-) -> tuple[Word, str]:
+    word: Word = "cannot be told"
     if row.value is None:
-        return "predicted", "no measurement is known"
-    if row.open:
-        return "cannot be told", row.open
-    (off,) = deviations
-    if off is None:
-        return _without_error(row, model[0].value / UNITS[row.unit] / row.value)
-    if abs(off) > AGREES_WITHIN:
-        return "disagrees", _off(off) + (f": {row.outside}" if row.outside else "")
-    return "agrees", _off(off) + _ruled_out(row, others)
-
-
-def _off(deviations: float) -> str:
-    size = abs(deviations)
-    return f"the model is {number(size, 2) if size >= _SLIGHT else f'less than {_SLIGHT}'} standard deviations off"
-
-
-def _without_error(row: Measurement, ratio: float) -> tuple[Word, str]:
-    if abs(ratio - 1) <= _SAME:
-        return "agrees", "the statement has no error, and the model says exactly the same"
-    if row.outside:
-        return "disagrees", row.outside
-    return "cannot be told", f"no error is published; the model is {number(100 * (ratio - 1), 2)} % off"
+        word, because = "predicted", "no measurement is known"
+    elif row.open:
+        because = row.open
+    elif deviations[0] is not None:
+        off = abs(deviations[0])
+        size = number(off, 2) if off >= _SLIGHT else f"less than {_SLIGHT}"
+        because = f"the model is {size} standard deviations off"
+        word = "agrees" if off <= AGREES_WITHIN else "disagrees"
+        if word == "agrees":
+            because += _ruled_out(row, others)
+        elif row.outside:
+            because += f": {row.outside}"
+    elif abs((ratio := model[0].value / UNITS[row.unit] / row.value) - 1) <= _SAME:
+        word, because = "agrees", "the statement has no error, and the model says exactly the same"
+    elif row.outside:
+        word, because = "disagrees", row.outside
+    else:
+        because = f"no error is published; the model is {number(100 * (ratio - 1), 2)} % off"
+    return Verdict(word, because, deviations, others)
 
 
 def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:
     """Return the row's verdict on other rules."""
     pairs = zip(row.rivals, others, strict=True)
     fits = {quantity_name(rule): abs(off) <= AGREES_WITHIN for rule, off in pairs if off is not None}
-    said = [f"{name} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items()]
-    return "".join(f"; {sentence}" for sentence in said)
+    return "".join(f"; {name} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items())

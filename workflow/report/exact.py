@@ -32,23 +32,23 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
     """All of it, as plain data for a file."""
     return {
         "datum": changes(study),
-        "designs": {name: _of_design(study, study.design[name], answer) for name, answer in designs.items()},
+        "designs": {
+            name: {
+                "contact": contact(study, answer),
+                "around": compared(study.narrowed(answer.combination), answer.case),
+                "on_datum": of_design(study, study.design[name], answer),
+                "edge": singular_zone(study, answer),
+            }
+            for name, answer in designs.items()
+        },
     }
 
 
 def contact(study: Study, answer: Answer) -> dict[str, float]:
     """Both ends of the contact of a design [m], by name of their quantity."""
-    solved = factorial.exact(study.narrowed(answer.combination), dict(answer.case), peaks=())
-    return {name: float(solved[name]) for name in study.kind.ends}
-
-
-def _of_design(study: Study, target: Target, answer: Answer) -> dict[str, Any]:
-    return {
-        "contact": contact(study, answer),
-        "around": compared(study.narrowed(answer.combination), answer.case),
-        "on_datum": of_design(study, target, answer),
-        "edge": singular_zone(study, answer),
-    }
+    ends = study.kind.ends
+    solved = factorial.exact(study.narrowed(answer.combination), dict(answer.case), peaks=(), outputs=ends)
+    return {name: float(solved[name]) for name in ends}
 
 
 def changes(study: Study) -> list[dict[str, Any]]:
@@ -128,10 +128,11 @@ def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
             study.model_copy(update={"fixed": fixed}),
             {name: value for name, value in case.items() if name not in OF_A_GAP},
             peaks=(),
+            outputs=_READ,
         )
     except (FactorError, MaterialError):
         return {}
-    present_values = factorial.exact(study, dict(case), peaks=())
+    present_values = factorial.exact(study, dict(case), peaks=(), outputs=_READ)
     known = [name for name in _READ if name in present_values and name in solved]
     return {
         "surroundings": present,

@@ -89,6 +89,7 @@ def answered(
     built = in_words(narrowed, case)
     moving = {str(row["name"]) for row in solved["on_datum"] if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
+    drawn = device.draw(of_case(study, case, solved["contact"]), built)
     why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
            spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
     return Card(
@@ -100,18 +101,13 @@ def answered(
         page=page,
         verdict=judged.kind,
         left_out=answer.left_out,
-        drawing=_drawing(of_case(study, case, solved["contact"]), name, study.titles[name], built),
+        drawing=element(drawn, f"device-{name}", f"{study.titles[name]}, drawn to scale: {built}"),
         name=name,
         code=answer.goal,
         beyond=unbroken(exceeded(answer)),
         breaks=unbroken(first_to_break(answer)),
         why=tuple(unbroken(reason) for reason in why if reason),
     )
-
-
-def _drawing(drawn: device.Device, name: str, title: str, built: str) -> Markup:
-    """The drawing of a card as an element of the page."""
-    return element(device.draw(drawn, built), f"device-{name}", f"{title}, drawn to scale: {built}")
 
 
 def doubted(study: Study) -> str:

@@ -251,11 +251,8 @@ def _figure(path: Path) -> dict[str, Any]:
 
 
 def _seconds(value: float) -> str:
-    """A time with a fitting unit."""
-    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if value >= size:
-            return f"{number(value / size, 3)} {unit}"
-    return f"{number(value / 1e-9, 3)} ns"
+    """A time with a fitting unit; no kilosecond."""
+    return f"{number(value, 3)} s" if value >= 1 else shown(value, "s", 3)
 
 
 def _share(part: float, digits: int) -> str:

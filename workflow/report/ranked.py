@@ -61,9 +61,7 @@ def draw(charts: Sequence[Chart]) -> str:
     heights = [_HEAD + _ROW * len(chart.bars) + 12 for chart in charts]
     room = max((_LETTER * len(bar.words) + 12 for chart in charts for bar in chart.bars), default=0)
     wide = _LEFT + _BARS + max(room, _RIGHT)
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {sum(heights)}">',
-    ]
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {sum(heights)}">']
     for k, (chart, height) in enumerate(zip(charts, heights, strict=True)):
         parts += [
             f'<svg class="part" y="{sum(heights[:k])}" width="{wide}" height="{height}" viewBox="0 0 {wide} {height}" '

@@ -4,27 +4,24 @@ What a section shows is its piece of template, named in full: a job depends on t
 Page and rules loop over this registry.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from string import Formatter
+from operator import attrgetter
 from typing import Any
 
 from workflow.study.model import Study
 from workflow.study.sections import CONVERGING
-
-#: Of which wildcards a study has a figure: one by each of these.
-Wildcards = Sequence[Mapping[str, str]]
 
 
 @dataclass(frozen=True)
 class Figure:
     """A figure that is drawn from results."""
 
-    file: str  # Below the study's ``figures/`` and without its ending, with wildcards. See `kind`.
-    reads: str  # Below the study's folder, with the same wildcards, or with ``{slab}`` for all slabs of the data set
+    file: str  # Below the study's ``figures/`` and without its ending, with one wildcard at most. See `kind`.
+    reads: str  # Below the study's folder, with the same wildcard, or with ``{slab}`` for all slabs of the data set
     draw: str  # Module of ``figures/`` and its function: of the data, and of what it ``asks`` by name
     label: str  # In Snakemake's own report
-    wildcards_of: Callable[[Study], Wildcards]  # The wildcards of a study; none where it lacks the figure
+    values: Callable[[Study], Any]  # Values of the wildcard, or whether a study has a figure without one
     asks: tuple[str, ...] = ()  # Parameters of the study that `draw` takes, as ``rules/report.smk`` names them
 
     @property
@@ -38,18 +35,21 @@ class Figure:
         return f"workflow/report/figures/{self.draw.partition('.')[0]}.py"
 
     @property
-    def labels(self) -> dict[str, str]:
-        """Labels in Snakemake's report, with the values of the wildcards."""
-        return {"figure": self.label, **{name: f"{{{name}}}" for name in self.wildcards}}
+    def wildcard(self) -> str:
+        """Name of the wildcard; empty without one."""
+        return self.file.partition("{")[2].removesuffix("}")
 
     @property
-    def wildcards(self) -> list[str]:
-        """Names of the wildcards, in order."""
-        return [name for _, name, _, _ in Formatter().parse(self.file) if name]
+    def labels(self) -> dict[str, str]:
+        """Labels in Snakemake's report, with the value of the wildcard."""
+        return {"figure": self.label} | ({self.wildcard: f"{{{self.wildcard}}}"} if self.wildcard else {})
 
-    def files(self, study: Study) -> list[str]:
-        """Names of the files without wildcards."""
-        return [self.file.format(**wildcards) for wildcards in self.wildcards_of(study)]
+    def named(self, pattern: str, study: Study) -> list[str]:
+        """Files of a study by a pattern with the wildcard, `file` or `reads`."""
+        values = self.values(study) or ()
+        if not self.wildcard:
+            return [pattern] if values else []
+        return [pattern.format(**{self.wildcard: value}) for value in values]
 
 
 Page = Mapping[str, Any]
@@ -95,7 +95,7 @@ def standing(page: Page) -> list[Part]:
 
 def figures(study: Study) -> list[str]:
     """Names of every figure's file of a study, but those of its designs."""
-    return [name for _, figure in _figures() for name in figure.files(study)]
+    return [name for _, figure in _figures() for name in figure.named(figure.file, study)]
 
 
 def drawn() -> list[list[tuple[Section, Figure]]]:
@@ -112,35 +112,34 @@ def _figures() -> list[tuple[Section, Figure]]:
 
 def effects(study: Study) -> list[str]:
     """Files of the fields of one factor at a time, below the study's folder."""
-    return [figure.reads.format(**wildcards) for figure in _EFFECTS for wildcards in figure.wildcards_of(study)]
+    return [name for figure in _EFFECTS for name in figure.named(figure.reads, study)]
 
 
-def _once(stands: object) -> Wildcards:
-    return [{}] if stands else []
+def _varied(study: Study) -> Any:
+    return study.effects and study.effects.vary
 
 
-def _each(name: str, values: Iterable[str]) -> Wildcards:
-    return [{name: value} for value in values]
+def _mapped(study: Study) -> Any:
+    return study.kind.space and _varied(study)
 
 
-def _factorial(study: Study) -> Wildcards:
-    return _once(study.factors)
+def _varied_inside(study: Study) -> Any:
+    return study.effects and study.effects.interior and study.effects.vary
 
 
-def _varied(study: Study, *, also: object = True) -> Wildcards:
-    return _each("name", study.effects.vary) if study.effects and also else []
+def _varied_at_random(study: Study) -> Any:
+    return study.effects and study.effects.realisations > 1 and study.effects.vary
 
 
+def _stored_fields(study: Study) -> Any:
+    return study.factors and study.stores_fields
+
+
+_factorial = attrgetter("factors")
 _QUANTITIES, _FELT = ("quantities",), ("felt",)
 _SENSITIVITY, _VALIDATION = "sensitivity.nc", "validation.nc"
-_READOUT = Figure(
-    "readout_{name}",
-    "readout/{name}.nc",
-    "measured_rows.readout",
-    "read-out",
-    lambda study: _each("name", study.readout),
-)
-_SIGNAL = Figure("signal", "signal.nc", "signal_in_time.figure", "signal in time", lambda study: _once(study.signal))
+_READOUT = Figure("readout_{name}", "readout/{name}.nc", "measured_rows.readout", "read-out", attrgetter("readout"))
+_SIGNAL = Figure("signal", "signal.nc", "signal_in_time.figure", "signal in time", attrgetter("signal"))
 _WHAT_MATTERS = (
     Figure("sensitivity", _SENSITIVITY, "sobol.indices", "Sobol' indices", _factorial, ("quantities", "aims")),
     Figure(
@@ -149,59 +148,27 @@ _WHAT_MATTERS = (
 )
 _DATA = (
     Figure(
-        "cut",
-        "quantities.nc",
-        "contact_maps.polar",
-        "charge over the cut",
-        lambda study: _once("cut_angle" in study.factors),
+        "cut", "quantities.nc", "contact_maps.polar", "charge over the cut", lambda study: "cut_angle" in study.factors
     ),
-    Figure(
-        "fields",
-        "fields/slab_{slab}.nc",
-        "field_panels.fields",
-        "surface fields",
-        lambda study: _once(study.factors and study.stores_fields),
-        _FELT,
-    ),
+    Figure("fields", "fields/slab_{slab}.nc", "field_panels.fields", "surface fields", _stored_fields, _FELT),
 )
 _EFFECTS = (
     Figure("effect_{name}", "fields/effect_{name}.nc", "field_panels.effect", "surface fields", _varied, _FELT),
-    Figure(
-        "interior_{name}",
-        "fields/interior_{name}.nc",
-        "field_panels.interior",
-        "below the punch",
-        lambda study: _varied(study, also=study.effects and study.effects.interior),
-    ),
-    Figure(
-        "map_{name}",
-        "fields/map_{name}.nc",
-        "contact_maps.maps",
-        "maps of the contact",
-        lambda study: _varied(study, also=study.kind.space),
-    ),
-    Figure(
-        "spread_{name}",
-        "fields/spread_{name}.nc",
-        "contact_maps.spread",
-        "random surfaces",
-        lambda study: _varied(study, also=study.effects and study.effects.realisations > 1),
-    ),
+    Figure("interior_{name}", "fields/interior_{name}.nc", "field_panels.interior", "below the punch", _varied_inside),
+    Figure("map_{name}", "fields/map_{name}.nc", "contact_maps.maps", "maps of the contact", _mapped),
+    Figure("spread_{name}", "fields/spread_{name}.nc", "contact_maps.spread", "random surfaces", _varied_at_random),
 )
 _MEASURED = Figure(
     "measurements",
     "measured/measurements.json",
     "measured_rows.figure",
     "measured and modelled",
-    lambda study: _once(study.measurements),
+    attrgetter("measurements"),
 )
 _CONVERGENCE = Figure(
-    "convergence_{group}",
-    "verification/{group}.json",
-    "convergence.figure",
-    "convergence",
-    lambda study: _each("group", CONVERGING if study.verification else ()),
-)
+    "convergence_{group}", "verification/{group}.json", "convergence.figure", "convergence",
+    lambda study: study.verification and CONVERGING,
+)  # fmt: skip
 _ERRORS = (
     Figure("errors", _VALIDATION, "surrogate_errors.errors", "errors", _factorial, _QUANTITIES),
     Figure("decay", _VALIDATION, "surrogate_errors.coefficients", "decay of the coefficients", _factorial, _QUANTITIES),

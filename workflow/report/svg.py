@@ -27,7 +27,6 @@ _VARIABLES = {
 _IDS = re.compile(r'(\bid=")([^"]+)(")|(url\(#)([^)]+)(\))|(href="#)([^"]+)(")')
 _PART = re.compile(r'<svg class="part"[^>]*?(viewBox=.*?</svg>)', re.DOTALL)
 _SIZE = re.compile(r'<svg\b([^>]*?)\s(?:width|height)="[^"]*"')
-_WRAPPED = re.compile(r"<g>(<(?:use|path)\b[^>]*/>)</g>")
 _LETTERS, _LETTER = re.compile(r"""font(?:-size)?[=:]["' ]*(\d+(?:\.\d+)?)(?:px|["'])"""), 14.0
 _EXPONENT = 7.1  # letters up to this size are raised or lowered ones
 _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
@@ -40,8 +39,6 @@ def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
         elements = (element(f"<svg {part}", f"{name}-{k}", alt, enlarged) for k, part in enumerate(parts))
         return Markup('<div class="parts">{}</div>').format(Markup("").join(elements))
     text = text[text.index("<svg") :]
-    while (bare := _WRAPPED.sub(r"\1", text)) != text:  # groups of one, which say nothing of it
-        text = bare
 
     def renamed(match: re.Match[str]) -> str:
         before, middle, after = (part for part in match.groups() if part is not None)

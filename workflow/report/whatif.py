@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import Answer
 from workflow.language import grammar, titles
 from workflow.language.constants import FIGURES_BY
-from workflow.language.expressions import Call, Expression, Name, Number, Operation, Power
+from workflow.language.expressions import Expression, Name, Number, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.titles import title
 from workflow.report import firstscreen
@@ -201,11 +202,7 @@ def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
     if isinstance(node, Name):
         return constants.get(node.name, node.name)
     if isinstance(node, Operation):
-        return [node.symbol, _tree(node.left, constants), _tree(node.right, constants)]
-    if isinstance(node, Power):
-        return ["^", _tree(node.base, constants), node.exponent]
-    if isinstance(node, Call):
-        return [node.function, *(_tree(argument, constants) for argument in node.arguments)]
+        return [node.symbol, *(_tree(part, constants) for part in node.parts)]
     raise TypeError(f"unknown node {node!r}")
 
 
@@ -237,15 +234,10 @@ def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
     elif "thickness" in study.factors:
         thickness = "thickness"
     below = {number for layer in study.body[1:] for number in layer.numbers.values()} | {"base_modulus"}
-    return {
-        "profile": drawn.profile,
-        "corner": drawn.corner,
+    return asdict(drawn) | {
         "size": size if size in study.factors else drawn.size,
-        "conducts": drawn.conducts,
         "thickness": thickness,
         "base": drawn.base if below.isdisjoint(study.factors) else "",  # words of what a slider moves would not follow
-        "grounded": drawn.grounded,
-        "top": drawn.top,
         "exponent": "exponent" if "exponent" in study.factors else drawn.exponent,
         "slides": "friction" if "friction" in study.factors else float(drawn.slides),
         "point": drawn.point,

@@ -33,7 +33,7 @@ for drawn in page_sections.drawn():
             **{name: ASKED[name] for _, figure in drawn for name in figure.asks},
             code=provenance.code("workflow/scripts/figure.py", *sorted({figure.source for _, figure in drawn})),
         log:
-            f"logs/{{study}}/figure_{first.kind}" + "".join(f"_{{{name}}}" for name in first.wildcards) + ".log",
+            f"logs/{{study}}/figure_{first.kind}" + (f"_{{{first.wildcard}}}" if first.wildcard else "") + ".log",
         localrule: True
         script:
             "../scripts/figure.py"

@@ -16,7 +16,7 @@ from solver import Material
 from solver.body import Kind, around, kind_of, solids
 from solver.curves import FOLLOWS
 from solver.material.punches import RIGID_PUNCH
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, HEAT_QUANTITIES, OF_HEAT
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, HEAT_QUANTITIES, OF_HEAT, SPACE_SLOPES
 from workflow.language import titles
 from workflow.language.constants import ALLOWABLES, DEVICE, Meeting, meeting_of
 from workflow.language.factors import FACTORS
@@ -260,7 +260,16 @@ class Contents(Strict):
     def quantities(self) -> list[str]:
         """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
         without = self.absent | (ALL_PEAKS.keys() - self.searched)
-        return [name for name, quantity in ALL_QUANTITIES.items() if name not in without and not quantity.sparse]
+        asked = ALL_QUANTITIES if self.asked is None else self.asked
+        return [n for n, quantity in ALL_QUANTITIES.items() if n in asked and n not in without and not quantity.sparse]
+
+    @property
+    def asked(self) -> list[str] | None:
+        """Quantities that the solver is asked for, None for all: in space those slopes alone that are learned."""
+        learned = self.surrogate.outputs
+        if not (self.kind.space and learned):
+            return None
+        return [name for name in self.kind.quantities if name in learned or name not in SPACE_SLOPES]
 
     @property
     def outputs(self) -> list[str]:

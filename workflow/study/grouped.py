@@ -5,7 +5,7 @@ pressed. Otherwise a surrogate over the groups would give one answer to two ques
 """
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations
@@ -17,7 +17,7 @@ from solver.similarity import Weight, weight_of
 from surrogate import Input
 from surrogate.data.inputs import Scale
 from surrogate.transforms.groups import span
-from workflow.language.expressions import Expression, Name, Operation, Power
+from workflow.language.expressions import Expression, Name, Number, Operation
 from workflow.language.factors import FACTORS
 from workflow.language.grammar import parse
 from workflow.language.spelling import nearest
@@ -72,11 +72,12 @@ def _called(name: str, power: int) -> str:
 def _powers(text: str, node: Expression) -> dict[str, int]:
     if isinstance(node, Name):
         return {node.name: 1}
-    if isinstance(node, Power):
-        return {name: power * node.exponent for name, power in _powers(text, node.base).items()}
-    if isinstance(node, Operation) and node.symbol in "*/":
-        powers, sign = _powers(text, node.left), 1 if node.symbol == "*" else -1
-        for name, power in _powers(text, node.right).items():
+    if isinstance(node, Operation) and node.symbol == "^" and isinstance(exponent := node.parts[1], Number):
+        return {name: power * int(exponent.value) for name, power in _powers(text, node.parts[0]).items()}
+    if isinstance(node, Operation) and node.symbol in ("*", "/"):
+        powers, others = (_powers(text, part) for part in node.parts)
+        sign = 1 if node.symbol == "*" else -1
+        for name, power in others.items():
             powers[name] = powers.get(name, 0) + sign * power
         return powers
     raise ValueError(f"{text!r}: only products and quotients of whole powers of factors make a group")
@@ -90,7 +91,12 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
         _check_names(axis, factors, fixed)
         if axis.name in by_name:
             raise ValueError(f"groups: {text}: is given twice")
-        low, high = _range(axis, factors, fixed)
+        try:
+            low, high = span(_inputs(axis, factors, fixed), dict(axis.powers))
+        except OverflowError:
+            low = high = np.inf
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise ValueError(f"groups: {text}: is beyond the range of numbers")
         scale = group.scale or _usual(axis, factors, low, high)
         shown = f"{low:g} to {high:g} [{axis.units}]"
         if (scale == "log" and low <= 0) or (scale == "logit" and not 0 < low < high < 1):
@@ -98,17 +104,6 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
             raise ValueError(f"groups: {text}: scale: {scale} needs a range {needs}, this one is {shown}")
         by_name[axis.name] = Axis(low=low, high=high, levels=group.levels, scale=scale)
     return by_name
-
-
-def _range(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> tuple[float, float]:
-    """Range of a group over the box; ValueError where it overflows."""
-    try:
-        low, high = span(_inputs(axis, factors, fixed), dict(axis.powers))
-    except OverflowError:
-        low = high = np.inf
-    if not (np.isfinite([low, high]).all() and low < high):
-        raise ValueError(f"groups: {axis.text}: is beyond the range of numbers")
-    return low, high
 
 
 def _check_names(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> None:
@@ -173,14 +168,8 @@ def check_signs(products: Sequence[Product], factors: Mapping[str, Axis], fixed:
     for gone in _some(name for name, axis in factors.items() if axis.low <= 0 <= axis.high):
         others = [axis for axis in products if not axis.powers.keys() & set(gone)]
         if change := unlike(others, [name for name in factors if name not in gone], fixed):
-            raise ValueError(
-                f"{refusal(change)}; {' = '.join(gone)} = 0 is in the box, where {_hidden(products, gone)}"
-            )
-
-
-def _hidden(products: Sequence[Product], gone: Collection[str]) -> str:
-    """Name the groups that are 0 where some factors are."""
-    return ", ".join(axis.text for axis in products if axis.powers.keys() & set(gone)) + " tells no more"
+            hidden = ", ".join(axis.text for axis in products if axis not in others)
+            raise ValueError(f"{refusal(change)}; {' = '.join(gone)} = 0 is in the box, where {hidden} tells no more")
 
 
 def _some(names: Iterable[str]) -> list[tuple[str, ...]]:

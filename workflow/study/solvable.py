@@ -221,7 +221,7 @@ def solve_effects(study: Contents) -> None:
             case = study.effects.case(factor)
             if study.kind.space:  # a case takes half a second
                 case[factor] = case[factor][:1]
-            solve(case, materials=study.own_materials, phases=study.phases)
+            solve(case, materials=study.own_materials, phases=study.phases, outputs=["depth"])
 
 
 def check_size(study: Contents) -> None:

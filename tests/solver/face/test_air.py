@@ -8,7 +8,7 @@ import xarray as xr
 
 import solver
 from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
-from tests.solver.cases import assert_alike
+from tests.solver.cases import assert_alike, without
 from workflow.run.provenance import ROOT
 
 AIR: dict[str, Any] = {"surroundings": "air"}
@@ -73,7 +73,7 @@ OWN: dict[str, Any] = FILM | {"radius": None, "profile": solver.Profile.cylinder
     ],
 )  # fmt: skip
 def test_films_are_in_air_by_default_bit_for_bit_and_half_planes_are_not(case: dict[str, Any], around: str) -> None:
-    case = {name: value for name, value in case.items() if value is not None}
+    case = without(case)
     said, unsaid = solver.solve(case | {"surroundings": around}), solver.solve(case)
     assert set(said.data_vars) == set(unsaid.data_vars)
     for name in unsaid.data_vars:
@@ -117,7 +117,7 @@ FIBROUS = BALL | {"radius": 5e-3, "force": 10.0, "composite": "fibrous", "volume
 )
 def test_points_in_no_air_are_those_without(case: dict[str, Any]) -> None:
     """Quantities, fields on the surface and inside, sliding, and a half-space at rest too."""
-    options = {name: value for name, value in case.items() if value is not None} | {"total_charge": 2e-10}
+    options = without(case) | {"total_charge": 2e-10}
     rests: list[dict[str, Any]] = [{}] if "composite" in case else []
     x, y = [-3.0, -1.05, -0.5, 0.3, 0.95, 2.0], [-0.02, -0.7, -2.5]
     for slides in (*rests, {"friction": 0.3}):

@@ -8,6 +8,7 @@ import xarray as xr
 
 import solver
 from solver.names import POINT_QUANTITIES, POINT_SLIDING
+from tests.solver.cases import without
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 COATED = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}
@@ -18,8 +19,7 @@ def test_profiles_and_films_may_be_mixed_along_one_dimension() -> None:
     mixed = solver.solve(COATED | dims | {"slope": 0.1})
     for name in ("sphere", "cone"):
         options = {"slope": 0.1} if name == "cone" else {"radius": 5e-3}
-        others = {key: value for key, value in COATED.items() if key != "radius"}
-        alone = solver.solve(others | options | {"profile": name, "force": [1.0, 10.0]})
+        alone = solver.solve(without(COATED, "radius") | options | {"profile": name, "force": [1.0, 10.0]})
         np.testing.assert_array_equal(mixed["depth"].sel(profile=name), alone["depth"])
     pair = solver.solve(
         {"material": "BaTiO3", "profile": ["sphere", "cylinder"], "radius": 0.01, "force": 1.0, "load": 1e4}
@@ -43,7 +43,7 @@ def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:
 
 def test_what_is_even_in_friction_is_given_of_discs_and_below_electrodes() -> None:
     """Reflection makes it equal to that at rest; a disc stays in place, but its pressure shifts."""
-    others = {name: value for name, value in COATED.items() if name != "radius"} | {"friction": [0.0, 0.3]}
+    others = without(COATED, "radius") | {"friction": [0.0, 0.3]}
     disc = others | {"profile": "disc", "width": 1e-4}
     covered = COATED | others | {"electrode": "top", "magnetic": "insulating"}
     for case, extra in ((disc, set[str]()), (covered, {"contact_offset"})):

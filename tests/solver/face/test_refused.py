@@ -8,15 +8,11 @@ import xarray as xr
 
 import solver
 from solver.stack.layers import Layer, Stack
-from tests.solver.cases import refused
+from tests.solver.cases import refused, without
 from tests.solver.line.films import BTO
 
 GLASS = solver.find("glass")
 Case = dict[str, Any]
-
-
-def without(case: Case, *names: str) -> Case:
-    return {name: value for name, value in case.items() if name not in names}
 
 
 BARE: Case = {"surroundings": "insulated"}
@@ -51,15 +47,11 @@ REFUSED: dict[str, Case] = {
     "corner: the profile cylinder has none": LINE | {"corner": "leading"},
     "moment: give either": PRESSED | {"profile": "flat", "width": 1e-3, "slope": 0.0, "moment": 1.0},
     "contact: it would need tension": PRESSED | {"profile": "flat", "width": 4e-4, "slope": 0.01},
-    "contact: it would need tension b": PRESSED | {"profile": "flat", "width": 4e-4, "moment": 15.0},
     "load: the profile sphere has none; give force": LINE | {"profile": "sphere"},
     "slope: the punch does not widen upwards": own(0.0, -1.0),
     "slope: an even power": own(0.0, 0.0, 1.0),
-    "slope: an even power of": own(0.1, 0.0),
-    "slope: the punch does not widen upwards from its lowest point: it carries no load": own(0.0, 0.0),
     # films
     "thickness: 0 is not a finite number > 0 [m]": FILM | {"thickness": 0.0},
-    "thickness: -0.001 is not": FILM | {"thickness": [1e-3, -1e-3]},
     "base: 'stele' is unknown; did you mean 'steel'": FILM | {"base": "stele"},
     "base: '7.0' is no material; must be 'rigid' or": FILM | {"base": 7.0},
     "base: missing; must be 'rigid' or": without(FILM, "base"),
@@ -74,7 +66,6 @@ REFUSED: dict[str, Case] = {
     "interface_magnetic: 'open' is not one of grounded": FILM | {"interface_magnetic": "open"},
     "contact: wider than the resolved range": FILM | {"load": 1e12},
     "contact: narrower than the resolved range": FILM | {"load": 1e-6},
-    "contact: it would need tension be": without(FILM, "radius") | {"profile": "flat", "width": 1e-3, "slope": 0.1},
     "contact: it would need tension between punch and surface": MIX | {
         "base": "rigid", "radius": 50.0, "load": 1e3, "charge": 1e-5
     },
@@ -91,7 +82,6 @@ REFUSED: dict[str, Case] = {
     "body: 'steel' is no solver.Stack": ON_STACK | {"body": "steel"},
     "material: beside a body": ON_STACK | {"material": "BaTiO3"},
     "base: beside a body": ON_STACK | {"base": "steel"},
-    "contact: wider than the resolved range, ": ON_STACK | {"body": Stack([Layer(BTO, 1e-9)])},
     # speeds
     "speed: 1 m/s of what is no half-plane without air": FILM | {"speed": 1.0},
     # what is beside the contact
@@ -101,7 +91,6 @@ REFUSED: dict[str, Case] = {
     },
     "surroundings: 'air' is not allowed: the punch has a corner": PRESSED | AIR | {"profile": "flat", "width": 1e-3},
     "gap_permittivity: 0 is not a finite number > 0 and <= 1e+06 [1]": LINE | AIR | {"gap_permittivity": 0.0},
-    "gap_permittivity: 1.1e+06 is not a finite number > 0 and <= 1e+06 [1]": BALL | AIR | {"gap_permittivity": 1.1e6},
     "gap_permittivity: 2.2 without surroundings: air; only its gap has one": LINE | {"gap_permittivity": 2.2},
     "surroundings: the punch touches the surface beside the contact, at (x - c)/h = ": LINE | {
         "material": "PMN-PT 67:33", "thickness": 5.8e-5, "base": "steel", "load": 1e3, "friction": 0.3,
@@ -109,7 +98,6 @@ REFUSED: dict[str, Case] = {
     },
     "speed: 3000 m/s is not below the limiting speed 2903.13 m/s": LINE | {"material": "steel", "speed": [0.0, 3e3]},
     "speed: needs the density rho": LINE | {"material": solver.Material.isotropic(2e11, 0.3), "speed": 1.0},
-    "speed: 100 m/s of what is no half-plane without air": LINE | AIR | {"speed": 100.0},
     "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
@@ -157,14 +145,13 @@ REFUSED: dict[str, Case] = {
     # units
     "radius: '5 kg': unit mismatch: 'kg' does not measure what 'm' measures": BALL | {"radius": "5 kg"},
     "radius: 'five' is not a finite number > 0 [m], bare or with its unit": BALL | {"radius": "five"},
-    "radius: -0.005 is not a finite number > 0 [m]": BALL | {"radius": ["5 mm", "-5 mm"]},
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("message", REFUSED)
 def test_it_is_refused(message: str) -> None:
     peaks = message.startswith("contact: radius over thickness")
-    refused({name: value for name, value in REFUSED[message].items() if value is not None}, message, peaks=peaks)
+    refused(without(REFUSED[message]), message, peaks=peaks)
 
 
 PUNCHES: dict[str, Case] = {
@@ -176,7 +163,6 @@ PUNCHES: dict[str, Case] = {
     "punch_poisson: missing; must be a finite number > -1 and < 0.5 [1]": {"punch_modulus": 210e9},
     "punch_modulus: missing; must be a finite number > 0 [Pa]": {"punch_poisson": 0.3},
     "punch_modulus: 0 is not a finite number > 0 [Pa]": STEEL | {"punch_modulus": 0.0},
-    "punch_modulus: -1 is not a finite number > 0 [Pa]": STEEL | {"punch_modulus": -1.0},
     "punch_poisson: 0.5 is not a finite number > -1 and < 0.5 [1]": STEEL | {"punch_poisson": 0.5},
     "punch_poisson: -1 is not a finite number > -1 and < 0.5 [1]": STEEL | {"punch_poisson": -1.0},
 }

@@ -9,7 +9,8 @@ import pytest
 import solver
 from solver.body import KINDS, kind_of
 from solver.names import MAPS, SPACE_QUANTITIES
-from solver.surface import contact
+from solver.surface import contact, newton
+from tests.solver.cases import without
 
 Case = dict[str, Any]
 COARSE = {"grid_error": 0.03}  # two grids of 16 and 32 cells, or 64
@@ -43,6 +44,25 @@ def test_an_ellipsoid_on_a_half_space_has_the_charge_of_any_shape() -> None:
     assert pressure[1] / pressure[0] == pytest.approx(np.sqrt(0.75), rel=0.02)
     assert pressure[2] == 0
     assert float(out["contact_length_y"]) > 1.3 * float(out["contact_length_x"])
+
+
+def test_slopes_that_are_not_named_are_not_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = solver.solve(EGG)
+
+    def refused(*_: object) -> None:
+        raise AssertionError("a solution that no quantity needs")
+
+    monkeypatch.setattr(contact, "_with_secant", refused)
+    stroke = solver.solve(EGG, outputs=["stroke_per_volt", "depth"])
+    assert list(stroke.data_vars) == ["depth", "stroke_per_volt"]
+    monkeypatch.setattr(newton.Linearised, "tangent", refused)
+    charge = solver.solve(EGG, positions=[0.0], outputs={"charge_per_force"})
+    assert list(charge.data_vars) == ["charge_per_force", "contact_pressure", "electric_displacement"]
+    for name, part in {"depth": stroke, "stroke_per_volt": stroke, "charge_per_force": charge}.items():
+        # another path of the same iteration, to a hundredth of the error
+        assert float(part[name]) == pytest.approx(float(whole[name]), rel=0.01 * COARSE["grid_error"])
+    with pytest.raises(solver.FactorError, match="outputs: 'chrge' is unknown; known are"):
+        solver.solve(EGG, outputs=["chrge"])
 
 
 def test_the_map_carries_the_force() -> None:
@@ -116,8 +136,8 @@ ROUGH |= {"longest_wavelength": 1e-4, "shortest_wavelength": 2e-5}
         (MAP | {"height_map": heights()[35:45, 35:45]}, "edge of the map"),
         (MAP | {"height_map": heights(9), "map_spacing": 2.5e-5}, "too wide for a contact"),
         (MAP | {"height_map": "none.csv"}, "height_map: none.csv: No such file"),
-        ({name: value for name, value in MAP.items() if name != "map_spacing"}, "map_spacing: missing"),
-        ({name: value for name, value in MAP.items() if name != "height_map"}, "height_map: missing"),
+        (without(MAP, "map_spacing"), "map_spacing: missing"),
+        (without(MAP, "height_map"), "height_map: missing"),
         (BALL | {"surroundings": "insulated"}, "surroundings: insulated"),
         (BALL | {"cut": "X"}, "cut: 'X' beside 36Y LiNbO3"),
         (BALL | {"electric": "insulating"}, "electric: 'insulating' of a contact in space"),

@@ -189,20 +189,16 @@ def test_aluminium_nitride_on_silicon_nearly_stands_still() -> None:
     assert 1e12 * exact == pytest.approx(-0.26, abs=0.005)
 
 
-PRESSED_BALL: dict[str, Any] = {"profile": "sphere", "radius": 0.01, "force": 0.1}
-LINE: dict[str, Any] = {"radius": 0.05, "load": 1e4}
+PRESSED_BALL = BARE | {"profile": "sphere", "radius": 0.01, "force": 0.1}
+LINE = BARE | {"radius": 0.05, "load": 1e4}
 
 
 @pytest.mark.parametrize("punch", [PRESSED_BALL, LINE], ids=["ball", "roller"])
 def test_a_nanometre_of_steel_is_a_grounded_interface(punch: dict[str, Any]) -> None:
     """The share of its stiffness falls with its thickness."""
-    grounded = solver.solve(
-        punch | {"surroundings": "insulated", "body": Stack([Layer(PZT, 2e-4, "grounded")], SILICON)}
-    )
+    grounded = solver.solve(punch | {"body": Stack([Layer(PZT, 2e-4, "grounded")], SILICON)})
     for thickness, off in ((1e-7, 5e-6), (1e-9, 5e-8)):
-        coated = solver.solve(
-            punch | {"surroundings": "insulated", "body": Stack([Layer(PZT, 2e-4), Layer(STEEL, thickness)], SILICON)}
-        )
+        coated = solver.solve(punch | {"body": Stack([Layer(PZT, 2e-4), Layer(STEEL, thickness)], SILICON)})
         for name in ("charge_per_force", "voltage", "peak_pressure", "stroke_per_volt"):
             assert float(coated[name]) == pytest.approx(float(grounded[name]), rel=20 * off), (name, thickness)
 
@@ -211,21 +207,18 @@ def test_what_is_said_of_an_interface_to_a_metal_has_no_part() -> None:
     def on(electric: str | None) -> solver.Stack:
         return Stack([Layer(PZT, 2e-4, electric), Layer(solver.find("copper"), 2e-5, electric)], SILICON)
 
-    computed = [
-        solver.solve(PRESSED_BALL | {"surroundings": "insulated", "body": on(electric)})
-        for electric in (None, "bonded", "grounded")
-    ]
+    computed = [solver.solve(PRESSED_BALL | {"body": on(electric)}) for electric in (None, "bonded", "grounded")]
     for first in computed[1:]:
         np.testing.assert_array_equal(first["charge_per_force"], computed[0]["charge_per_force"])
-    by_factors = PRESSED_BALL | {"material": "PZT-4", "thickness": 2e-4, "surroundings": "insulated", "base": "steel"}
+    by_factors = PRESSED_BALL | {"material": "PZT-4", "thickness": 2e-4, "base": "steel"}
     kinds = solver.solve(by_factors | {"interface_electric": ["grounded", "bonded"]})
     assert np.ptp(kinds["charge_per_force"].values) == 0
 
 
 def test_no_field_is_inside_a_metal() -> None:
     stack = Stack([Layer(PZT, 1e-4), Layer(solver.find("copper"), 1e-4)], STEEL)
-    inside = solver.solve_interior(LINE | {"surroundings": "insulated", "body": stack}, [0.3], [-0.1, -2.0, -4.0])
-    half = float(solver.solve(LINE | {"surroundings": "insulated", "body": stack})["contact_trailing"])
+    inside = solver.solve_interior(LINE | {"body": stack}, [0.3], [-0.1, -2.0, -4.0])
+    half = float(solver.solve(LINE | {"body": stack})["contact_trailing"])
     assert 0.1 * half < 1e-4 < 2.0 * half < 2e-4 < 4.0 * half
     field = np.abs(inside["electric_field_y"].values).ravel()
     assert field[0] > 1e3
@@ -235,17 +228,9 @@ def test_no_field_is_inside_a_metal() -> None:
 def test_flux_passes_through_a_metal_by_its_permeability() -> None:
     """Steel of a hundred times vacuum's lets pass what air would not; of one, it is what it was."""
     as_air = solver.Material(**{**vars(STEEL), "mu11": np.array(4e-7 * np.pi), "mu33": np.array(4e-7 * np.pi)})
+    bodies = (Stack([Layer(FIBROUS, 2e-4)], base) for base in (STEEL, as_air, solver.Material.isotropic(200e9, 0.3)))
     case = LINE | {"magnetic": "conducting", "datum": 0.1}
-    steel, air, dielectric = (
-        abs(
-            float(
-                solver.solve(case | {"surroundings": "insulated", "body": Stack([Layer(FIBROUS, 2e-4)], base)})[
-                    "flux_per_force"
-                ]
-            )
-        )
-        for base in (STEEL, as_air, solver.Material.isotropic(200e9, 0.3))
-    )
+    steel, air, dielectric = (abs(float(solver.solve(case | {"body": body})["flux_per_force"])) for body in bodies)
     assert air == pytest.approx(dielectric, rel=0.05)
     assert steel / air > 10
 
@@ -253,18 +238,16 @@ def test_flux_passes_through_a_metal_by_its_permeability() -> None:
 def test_a_metal_on_top_has_the_potential_itself() -> None:
     """A conducting punch on the metal acts as an insulating one: it presses, and nothing more."""
     stack = Stack([Layer(solver.find("aluminium"), 1e-6), Layer(PZT, 2e-5)], SILICON)
-    pair = [
-        solver.solve(PRESSED_BALL | {"surroundings": "insulated", "body": stack, "electric": kind})
-        for kind in ("conducting", "insulating")
-    ]
+    kinds = ("conducting", "insulating")
+    pair = [solver.solve(PRESSED_BALL | {"body": stack, "electric": kind}) for kind in kinds]
     assert "voltage" not in pair[0]
     np.testing.assert_array_equal(pair[0]["contact_radius"], pair[1]["contact_radius"])
     for case in (PRESSED_BALL | {"total_charge": 1e-12}, LINE | {"charge": 1e-9}):
         with pytest.raises(solver.FactorError, match="charge: 1e-"):
-            solver.solve(case | {"surroundings": "insulated", "body": stack})
+            solver.solve(case | {"body": stack})
 
 
-FILM = {"surroundings": "insulated", "thickness": 0.7e-3, "radius": 0.05}
+FILM = BARE | {"thickness": 0.7e-3, "radius": 0.05}
 #: A bonded active base, whose far field carries load and charge alike.
 ACTIVE_BASE = FILM | {"material": "BaTiO3", "base": "PZT-5H", "interface_electric": "bonded"}
 MAGNETIC = FILM | {"composite": "fibrous", "volume_fraction": 0.6, "base": "CoFe2O4", "interface_magnetic": "bonded"}

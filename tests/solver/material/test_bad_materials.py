@@ -12,6 +12,7 @@ from solver import Material, MaterialError, find
 from solver.material.constants import UNITS
 from solver.material.datasheet import strain_charge, stress_matrices
 from solver.material.usual import USUAL
+from tests.solver.cases import without
 
 TITANATE: dict[str, float] = {
     "c11": 166e9, "c12": 77e9, "c13": 78e9, "c33": 162e9, "c44": 43e9, "e31": -4.4, "e33": 18.6,
@@ -29,9 +30,9 @@ def material(entries: dict[str, float], name: str = "mine") -> solver.Material:
 
 
 FIBRES, HOST = solver.find("BaTiO3"), solver.find("CoFe2O4")
-LACKING = {name: value for name, value in TITANATE.items() if name != "c12"}
+LACKING = without(TITANATE, "c12")
 MIXTURES = (solver.fibrous, solver.laminate)
-STIFF = {name: value for name, value in TITANATE.items() if name != "c33"}
+STIFF = without(TITANATE, "c33")
 MALFORMED: tuple[object, ...] = ("166e9", None, True, [166e9, 167e9], {})
 #: Words of the refusal, and what is refused with them; the words are quoted as they stand.
 REFUSED: list[tuple[str, Callable[[], object]]] = [
@@ -193,8 +194,9 @@ def test_both_forms_lead_back_to_each_other() -> None:
 
 @pytest.mark.parametrize("change", [{"d33": None, "k33": 0.705}, {"s12": None, "s66": 44.28e-12}])
 def test_what_a_sheet_leaves_out_follows_from_the_rest(change: dict[str, Any]) -> None:
-    sheet = {name: value for name, value in {**PZT_5A, **change}.items() if value is not None}
-    assert float(Material.from_mapping(sheet).e33) == pytest.approx(15.8, rel=1e-2)  # k33 has two digits and a half
+    assert float(Material.from_mapping(without(PZT_5A | change)).e33) == pytest.approx(
+        15.8, rel=1e-2
+    )  # k33 has two digits and a half
 
 
 @pytest.mark.parametrize("order", ["IEEE", "Abaqus"])

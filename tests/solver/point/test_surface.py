@@ -14,7 +14,7 @@ import solver
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
 from solver.line.windows import Coat, Kind, constants_of
-from solver.point import electrodes, inside, sliding, slidingtable
+from solver.point import electrodes, inside
 from solver.point.profile import Shape, halfspace_form
 from solver.point.table import PointKind, PointWindow
 from solver.stack.layers import Layer, Stack
@@ -137,17 +137,6 @@ def test_blocks_of_any_size_give_the_same_answers(monkeypatch: pytest.MonkeyPatc
         monkeypatch.setattr(inside, name, size)
     for small, large in zip(answers(), whole, strict=True):
         np.testing.assert_allclose(small, large, rtol=0, atol=1e-11 * float(np.abs(large).max()))
-
-
-def test_peaks_of_too_wide_a_contact_are_refused_before_friction_is_solved(monkeypatch: pytest.MonkeyPatch) -> None:
-    def solved(*_: object) -> None:
-        raise AssertionError("friction was solved for a case that is refused")
-
-    monkeypatch.setattr(slidingtable.SlidingWindow, "_solved", property(solved))
-    monkeypatch.setattr(sliding.Rubbed, "_added", property(solved))
-    case = FILM | {"profile": "disc", "width": 3e-3, "force": 1.0}
-    with pytest.raises(solver.FactorError, match=r"^contact: radius over thickness 15 is too wide for peaks"):
-        solver.solve({name: value for name, value in case.items() if name != "radius"}, peaks=["film_peak_von_mises"])
 
 
 BONDED = film(FIBROUS, CFO, electric="bonded")

@@ -9,11 +9,11 @@ import pytest
 import solver
 from solver.names import ALL_QUANTITIES
 from solver.units import in_si
+from tests.programs import Command
 from tests.workflow.report.browser import axe, needs_browser, opened
 from workflow.calculator import page as calculator
 from workflow.calculator.films import FILMS, PUNCHES, tables, variants
 from workflow.calculator.page import page
-from workflow.cli import main
 
 PROBE = """
 <script>
@@ -142,13 +142,10 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert seen["restored"] == ["500 µm", "–", 1]
 
 
-def test_a_command_writes_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_command_writes_it(tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(calculator, "tables", lambda: tables(["AlN on silicon"]))
     path = tmp_path / "mine.html"
-    assert main.main(["calculator", "-o", str(path)]) == 0
-    assert "open it in a browser" in capsys.readouterr().err
+    assert "open it in a browser" in command("calculator", "-o", path)[1]
     written = path.read_text(encoding="utf-8")
     assert written == page()
     library, films = (written.partition(f'id="{name}">')[2].partition("</script>")[0] for name in ("library", "films"))

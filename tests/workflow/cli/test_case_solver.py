@@ -17,7 +17,7 @@ from solver import solve
 from solver.fields import INTERIOR
 from solver.names import POINT_SLIDING
 from storage.netcdf import read_whole, write_whole
-from workflow.cli import main
+from tests.programs import Command
 from workflow.cli import solve as case_solver
 from workflow.cli.casetable import read_cases
 from workflow.cli.textfile import write_columns
@@ -81,30 +81,25 @@ def test_a_row_at_fault_is_named_by_its_line(tmp_path: Path, changed: dict[str, 
         case_solver.solved(read_cases(path), solve)
 
 
-def test_long_tables_take_blocks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_long_tables_take_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     """A later block has columns and faults of its own; the file is that of one table, or none."""
-    path = tmp_path / "cases.csv"
     header, *rows = "material,radius,load,profile,width", "PZT-4,0.05,1e4 N/m,,", "steel,,2e4 N/m,flat,1e-3"
-    path.write_text("\n".join([header, *[rows[0]] * 7, *[rows[1]] * 5, *[rows[0]] * 2]) + "\n", encoding="utf-8")
-    assert main.main(["solve", str(path), "-o", str(tmp_path / "whole.csv")]) == 0
-    said = capsys.readouterr().err.replace("whole", "blocks")
+    text = "\n".join([header, *[rows[0]] * 7, *[rows[1]] * 5, *[rows[0]] * 2]) + "\n"
+    path = command.file("cases.csv", text)
+    said = command("solve", path, "-o", tmp_path / "whole.csv")[1].replace("whole", "blocks")
     monkeypatch.setattr(case_solver, "_BLOCK", 4)
-    assert main.main(["solve", str(path), "-o", str(tmp_path / "blocks.csv")]) == 0
-    assert capsys.readouterr().err == said
+    assert command("solve", path, "-o", tmp_path / "blocks.csv")[1] == said
     whole, blocks = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("whole", "blocks"))
     pd.testing.assert_frame_equal(blocks[whole.columns], whole, rtol=1e-12)
-    path.write_text(path.read_text(encoding="utf-8") + "PZT-4,-1,1e4 N/m,,\n", encoding="utf-8")
+    command.file("cases.csv", text + "PZT-4,-1,1e4 N/m,,\n")
     (tmp_path / "blocks.csv").unlink()
-    assert main.main(["solve", str(path), "-o", str(tmp_path / "blocks.csv")]) == 2
-    assert "line 16: radius: -1 is not a finite number > 0" in capsys.readouterr().err
+    refusal = command.refused("solve", path, "-o", tmp_path / "blocks.csv")
+    assert "line 16: radius: -1 is not a finite number > 0" in refusal
     assert {file.name for file in tmp_path.iterdir()} == {"cases.csv", "whole.csv"}
 
 
-def test_an_answer_too_large_for_the_memory_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "cases.csv"
-    path.write_text("material,radius,load\n" + "steel,0.05,1e5\n" * 50, encoding="utf-8")
+def test_an_answer_too_large_for_the_memory_is_refused(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
+    path = command.file("cases.csv", "material,radius,load\n" + "steel,0.05,1e5\n" * 50)
     monkeypatch.setattr(case_solver, "_MOST_BYTES", 5000)
     with pytest.raises(InputError, match=r"cases\.csv: 50 cases give more than 5000 bytes; split it"):
         case_solver.solved(read_cases(path), solve)
@@ -137,11 +132,9 @@ def cases(text: str) -> Iterator[dict[str, Any]]:
         yield {name: f"{cell} {unit}" if unit else cell for name, _, unit, cell in named}
 
 
-def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table, out, sheet = tmp_path / "mixed.csv", tmp_path / "out.nc", tmp_path / "out.csv"
-    table.write_text(LINES_AND_POINTS, encoding="utf-8")
-    assert main.main(["solve", str(table), "-o", str(out)]) == 0
-    assert "empty where a case has no such quantity: " in capsys.readouterr().err
+def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, command: Command) -> None:
+    table, out, sheet = command.file("mixed.csv", LINES_AND_POINTS), tmp_path / "out.nc", tmp_path / "out.csv"
+    assert "empty where a case has no such quantity: " in command("solve", table, "-o", out)[1]
     data = read_whole(out)
     assert np.isnan(data["gap_field"].values).tolist() == [True] * 5 + [False]
     assert data["gap_field"].attrs["comment"] == "no number where a case has none"
@@ -153,11 +146,11 @@ def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, capsys: pyt
             assert not known or value == pytest.approx(float(exact[name]), rel=1e-9), (row, name)
             assert known or np.isnan(value) or name in POINT_SLIDING, (row, name)
     np.testing.assert_array_equal(data["radius"], [0.05, 5e-3, 5e-3, np.nan, 0.05, 0.05])
-    assert main.main(["solve", str(table), "-o", str(sheet)]) == 0
+    command("solve", table, "-o", sheet)
     rows = list(csv.DictReader(sheet.read_text(encoding="utf-8").splitlines()))
     assert float(rows[1]["contact_radius [m]"]) == float(data["contact_radius"][1])
     assert (rows[0]["contact_radius [m]"], rows[4]["base"], rows[1]["base"]) == ("", "rigid", "")
-    assert main.main(["solve", str(table), "-o", str(sheet), "--positions", "0"]) == 2
+    command.refused("solve", table, "-o", sheet, "--positions", "0")
 
 
 MIXED = """\
@@ -170,11 +163,10 @@ flat,,0.01,,CoFe2O4,,1e5,0.2,,,,,-20
 """
 
 
-def test_a_table_of_every_kind_of_punch_has_fields_at_and_below_the_surface(tmp_path: Path) -> None:
-    table, out, below = tmp_path / "cases.csv", tmp_path / "out.nc", tmp_path / "inside.nc"
-    table.write_text(MIXED, encoding="utf-8")
-    assert main.main(["solve", str(table), "-o", str(out), "--positions=-2,0,0.5", "--peaks"]) == 0
-    assert main.main(["interior", str(table), "-o", str(below), "--x=-1.2,0,2", "--y=-0.5,0"]) == 0
+def test_a_table_of_every_kind_of_punch_has_fields_at_and_below_the_surface(tmp_path: Path, command: Command) -> None:
+    table, out, below = command.file("cases.csv", MIXED), tmp_path / "out.nc", tmp_path / "inside.nc"
+    command("solve", table, "-o", out, "--positions=-2,0,0.5", "--peaks")
+    command("interior", table, "-o", below, "--x=-1.2,0,2", "--y=-0.5,0")
     data, inside = read_whole(out), read_whole(below)
     assert set(inside.data_vars) == set(INTERIOR)
     assert inside["von_mises"].dims == ("case", "y", "x")
@@ -189,12 +181,11 @@ def test_a_table_of_every_kind_of_punch_has_fields_at_and_below_the_surface(tmp_
         np.testing.assert_allclose(inside[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
 
 
-def test_fields_inside_films_end_at_a_rigid_base(tmp_path: Path) -> None:
-    table, out = tmp_path / "films.csv", tmp_path / "inside.nc"
+def test_fields_inside_films_end_at_a_rigid_base(command: Command) -> None:
     rows = "".join(f"PZT-4,0.05,1e5,0.5,{base},insulated\n" for base in ("rigid", "steel"))
-    table.write_text(f"material,radius,load,thickness [mm],base,surroundings\n{rows}", encoding="utf-8")
-    grid = ["--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises"]
-    assert main.main(["interior", str(table), "-o", str(out), *grid]) == 0
+    table = command.file("films.csv", f"material,radius,load,thickness [mm],base,surroundings\n{rows}")
+    out = table.with_suffix(".nc")
+    command("interior", table, "-o", out, "--x=0,0.5", "--y=-4,-0.5", "--fields=stress_yy,von_mises")
     data = read_whole(out)
     assert np.isnan(data["von_mises"].values).any(axis=2).tolist() == [[True, False], [False, False]]
     assert np.all(data["stress_yy"].values[:, 1] < 0)

@@ -7,26 +7,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.programs import Command
 from workflow.cli import casetable
 from workflow.cli.casetable import read_cases
 from workflow.study.reading import InputError
 
 
-def test_units_behind_names_are_those_of_the_numbers(tmp_path: Path) -> None:
-    path = tmp_path / "cases.csv"
-    path.write_text(
-        "# from a colleague\nradius [mm],load[kN/m],voltage [kV]\n50,10,-0.2\n#50,20,0\n,1,\n", encoding="utf-8"
-    )
-    table = read_cases(path, {"voltage": "V"})
+def test_units_behind_names_are_those_of_the_numbers(command: Command) -> None:
+    text = "# from a colleague\nradius [mm],load[kN/m],voltage [kV]\n50,10,-0.2\n#50,20,0\n,1,\n"
+    table = read_cases(command.file("cases.csv", text), {"voltage": "V"})
     np.testing.assert_allclose(table.columns["radius"], [0.05, np.nan], rtol=1e-15)
     np.testing.assert_allclose(table.columns["load"], [1e4, 1e3], rtol=1e-15)
     np.testing.assert_allclose(table.columns["voltage"], [-200.0, np.nan], rtol=1e-15)
     assert table.lines.tolist() == [3, 5]
 
 
-def test_a_long_cell_does_not_widen_its_column(tmp_path: Path) -> None:
-    path = tmp_path / "cases.csv"
-    path.write_text("material\n" + "x" * 200 + "\n" + "a\n" * 137_000, encoding="ascii")  # 274 kB took 4.1 GB
+def test_a_long_cell_does_not_widen_its_column(command: Command) -> None:
+    path = command.file("cases.csv", "material\n" + "x" * 200 + "\n" + "a\n" * 137_000)  # 274 kB took 4.1 GB
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     assert read_cases(path).columns["material"].nbytes == 137_001 * 8
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 60_000  # kB
@@ -47,10 +44,11 @@ def test_devices_and_pipes_are_refused(tmp_path: Path) -> None:
         ("load [kN·m⁻¹],charge,base_modulus\n1.5×10¹,−2 µC·m⁻¹,2.1×10¹¹\n", [[1.5e4], [-2e-6], [2.1e11]]),
     ],
 )
-def test_cells_with_units_and_printed_numbers_are_read(text: str, expected: list[list[float]], tmp_path: Path) -> None:
-    path = tmp_path / "cases.csv"
-    path.write_text(text, encoding="utf-8")
-    assert [column.tolist() for column in read_cases(path).columns.values()] == expected
+def test_cells_with_units_and_printed_numbers_are_read(
+    text: str, expected: list[list[float]], command: Command
+) -> None:
+    table = read_cases(command.file("cases.csv", text))
+    assert [column.tolist() for column in table.columns.values()] == expected
 
 
 WAYS = [
@@ -64,10 +62,8 @@ WAYS += ["thickness,force\n[um],[N]", "thickness um,force N", "sep=,\nthickness 
 
 
 @pytest.mark.parametrize("header", WAYS)
-def test_units_are_read_in_every_way_that_tables_write_them(header: str, tmp_path: Path) -> None:
-    path = tmp_path / "cases.csv"
-    path.write_text(f"{header}\n20,0.01\n20,0.01,\n", encoding="utf-8")
-    columns = read_cases(path).columns
+def test_units_are_read_in_every_way_that_tables_write_them(header: str, command: Command) -> None:
+    columns = read_cases(command.file("cases.csv", f"{header}\n20,0.01\n20,0.01,\n")).columns
     assert columns["thickness"].tolist() == [2e-5, 2e-5]
     assert columns["force"].tolist() == [0.01, 0.01]
 
@@ -97,11 +93,10 @@ def test_tables_of_spreadsheets_are_read(encoding: str, separator: str, mark: st
 
 
 @pytest.mark.parametrize(("column", "other"), [("radius", "0.05"), ("material", "PZT-4")])
-def test_words_for_missing_values_are_refused(column: str, other: str, tmp_path: Path) -> None:
-    path = tmp_path / "cases.csv"
+def test_words_for_missing_values_are_refused(column: str, other: str, command: Command) -> None:
     words = ["NA", "N/A", "n.a.", "nan", "NaN", "null", "None", "-", "--", "–", "n.d.", "?"]
     for word in words + ["-9999"] * (column == "radius"):
-        path.write_text(f"{column}\n{other}\n{word}\n", encoding="utf-8")
+        path = command.file("cases.csv", f"{column}\n{other}\n{word}\n")
         with pytest.raises(InputError, match=r"line 3: .* stands for a missing value; leave the cell empty"):
             read_cases(path)
 

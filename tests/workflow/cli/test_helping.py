@@ -8,24 +8,23 @@ from pathlib import Path
 
 import pytest
 
+from tests.programs import Command
 from workflow.cli import main
 from workflow.cli.main import COMMANDS
 from workflow.run.provenance import ROOT
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_has_an_example_that_it_takes(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    module, _, function = main._parser().parse_args(example(name, capsys)).function.partition(".")
+def test_every_command_has_an_example_that_it_takes(name: str, command: Command) -> None:
+    module, _, function = main._parser().parse_args(example(name, command)).function.partition(".")
     assert callable(getattr(import_module(f"workflow.cli.{module}"), function))
 
 
 @pytest.mark.parametrize("name", ["list", "material", "solve"])
-def test_examples_run(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_examples_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
-    assert main.main(example(name, capsys)) == 0
+    assert command(*example(name, command))[0]
 
 
 @pytest.mark.slow
@@ -46,18 +45,14 @@ loaded("pydantic", "sklearn", "scipy.linalg", "scipy.optimize", "workflow.study.
     assert [line for line in done.stderr.split("\n") if not line.startswith(("wrote", "left out", "empty"))] == [""] * 4
 
 
-def example(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:
+def example(name: str, command: Command) -> list[str]:
     """The words of the example below a command's help."""
-    with pytest.raises(SystemExit):
-        main.main([name, "--help"])
-    printed = capsys.readouterr().out
-    program, *words = shlex.split(printed.split("example:\n")[1].replace("\\\n", " "))
+    program, *words = shlex.split(command(name, "--help")[0].split("example:\n")[1].replace("\\\n", " "))
     assert (program, words[0]) == ("meecontact", name)
     return words
 
 
-def test_no_name_of_a_command_stands_alone_on_its_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main([]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_no_name_of_a_command_stands_alone_on_its_line(command: Command) -> None:
+    lines = command()[0].splitlines()
     for name in COMMANDS:
         assert any(len(line.split()) > 2 and line.split()[0] == name for line in lines), name

@@ -8,8 +8,8 @@ import pytest
 
 from surrogate import load, save
 from surrogate.transforms.measured import CorrectedGP
+from tests.programs import Command
 from tests.workflow.learning.test_correction import study_of
-from workflow.cli import main
 from workflow.dataset import draws, factorial
 from workflow.study import uncertainty
 
@@ -46,32 +46,29 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def asked(project: Path, *words: str, rows: str = "rows.csv") -> int:
-    surrogate = str(project / "results/study/surrogate.nc")
-    return main.main(["learn", str(project / rows), "--on", surrogate, "--uncertain", "BaTiO3 stiffness", *words])
+def asked(project: Path, *words: str | Path, rows: str = "rows.csv") -> list[str | Path]:
+    surrogate = project / "results/study/surrogate.nc"
+    return ["learn", project / rows, "--on", surrogate, "--uncertain", "BaTiO3 stiffness", *words]
 
 
-def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, command: Command) -> None:
     out = project / "results/study/corrected.nc"
-    assert asked(project, "--json") == 0
-    said = capsys.readouterr()
-    summary = json.loads(said.out)
+    printed, said = command(*asked(project, "--json"))
+    summary = json.loads(printed)
     assert (summary["rows"], summary["values"]) == (15, 25)
     (stiffness,) = summary["constants"]
     assert stiffness["name"] == "BaTiO3 stiffness"
     assert stiffness["mean"] == pytest.approx(-1.5, abs=0.3)
-    assert f"wrote {out}" in said.err
+    assert f"wrote {out}" in said
     model = load(out)
     assert isinstance(model, CorrectedGP)
     assert model.learnt_.startswith("15 rows, 25 measured values\nBaTiO3 stiffness: moved by -1.")
-    assert main.main(["query", str(out), "--at", "radius=0.05,load=5e4"]) == 0
-    after = capsys.readouterr().out
-    assert main.main(["query", str(project / "results/study/surrogate.nc"), "--at", "radius=0.05,load=5e4"]) == 0
-    before = capsys.readouterr().out
-    extent = [float(text.split("contact_trailing[fibrous]")[1].split()[0]) for text in (after, before)]
+    answers = [
+        command("query", path, "--at", "radius=0.05,load=5e4")[0] for path in (out, out.with_name("surrogate.nc"))
+    ]
+    extent = [float(text.split("contact_trailing[fibrous]")[1].split()[0]) for text in answers]
     assert extent[0] > 1.01 * extent[1]  # never measured: the contact is wider on what is softer
-    assert asked(project, "-o", str(project / "again.nc")) == 0
-    assert capsys.readouterr().out.splitlines() == model.learnt_.split("\n")
+    assert command(*asked(project, "-o", project / "again.nc"))[0].splitlines() == model.learnt_.split("\n")
     assert (project / "again.nc").read_bytes() == out.read_bytes()
 
 
@@ -92,26 +89,20 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, caps
         ("--uncertain", "CoFe2O4 stiffness=x", "is not a number above 0 and up to 0.5"),
     ],
 )
-def test_bad_rows_and_constants_are_refused(
-    old: str, new: str, reason: str, project: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_bad_rows_and_constants_are_refused(old: str, new: str, reason: str, project: Path, command: Command) -> None:
     text = (project / "rows.csv").read_text(encoding="utf-8")
     (project / "bad.csv").write_text(text.replace(old, new), encoding="utf-8")
     before = sorted(project.rglob("*"))
-    assert asked(project, *([old, new] if old == "--uncertain" else []), rows="bad.csv") == 2
-    said = capsys.readouterr()
-    assert reason in said.err
-    assert said.err.count("meecontact: ") == 1
-    assert said.out == ""
+    assert reason in command.refused(*asked(project, *([old, new] if old == "--uncertain" else []), rows="bad.csv"))
     assert sorted(project.rglob("*")) == before
 
 
-def test_surrogates_of_another_study_are_refused(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_surrogates_of_another_study_are_refused(project: Path, command: Command) -> None:
     model = load(project / "results/study/surrogate.nc")
     model.made_from_ = "another study"
     (project / "results/other").mkdir(exist_ok=True)
     save(model, project / "results/study/other.nc")
-    assert main.main(["learn", str(project / "rows.csv"), "--on", str(project / "results/study/other.nc")]) == 2
-    assert "was made from another state of the study" in capsys.readouterr().err
-    assert asked(project, "-o", str(project / "results/study/surrogate.nc")) == 2
-    assert "is an input of this command" in capsys.readouterr().err
+    refusal = command.refused("learn", project / "rows.csv", "--on", project / "results/study/other.nc")
+    assert "was made from another state of the study" in refusal
+    refusal = command.refused(*asked(project, "-o", project / "results/study/surrogate.nc"))
+    assert "is an input of this command" in refusal

@@ -11,41 +11,21 @@ import xarray as xr
 import solver
 import surrogate
 from solver import solve, units
+from tests.programs import Command
 from tests.workflow.conftest import SMALL, Copy, Project
-from workflow.cli import main
 
 
-def write(path: Path, text: str) -> Path:
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def complaint(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
-    """The single line of a refused command."""
-    try:
-        status = main.main([str(argument) for argument in arguments])
-    except SystemExit as stopped:
-        status = int(stopped.code or 0)
-    captured = capsys.readouterr()
-    assert status == 2
-    assert captured.out == ""
-    assert captured.err.count("\n") == 1
-    return captured.err
-
-
-def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_lost_digits_are_told_in_one_line(command: Command) -> None:
     speed = float(solver.limiting_speed(solver.find("steel"))) * (1 - 1e-9)
-    cases = tmp_path / "cases.csv"
-    cases.write_text(f"material,radius,load,speed\nsteel,0.05,1e5,{speed!r}\n", encoding="utf-8")
-    assert main.main(["solve", str(cases), "-o", str(tmp_path / "out.nc")]) == 0
-    warned, strained, wrote = capsys.readouterr().err.splitlines()
+    cases = command.file("cases.csv", f"material,radius,load,speed\nsteel,0.05,1e5,{speed!r}\n")
+    warned, strained, wrote = command("solve", cases, "-o", cases.with_name("out.nc"))[1].splitlines()
     assert warned.startswith("meecontact: warning: steel: a speed so near the limiting one that rounding costs digits")
     assert strained.startswith("meecontact: warning: contact: beyond small strain: a half-width of 2.6")
     assert wrote.startswith("wrote ")
 
 
 @pytest.mark.parametrize(
-    ("command", "rows", "options", "says"),
+    ("name", "rows", "options", "says"),
     [
         ("solve", "steel,0.1,1e4\nstel,0.1,1e4", [], "line 3: material: 'stel' is unknown; did you mean 'steel'?"),
         ("solve", "steel,0.1,1e4", ["--positions=0,x"], "--positions: 'x' is not a number"),
@@ -58,40 +38,39 @@ def test_lost_digits_are_told_in_one_line(tmp_path: Path, capsys: pytest.Capture
     ],
 )
 def test_bad_tables_positions_and_grids_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, rows: str, options: list[str], says: str
+    command: Command, name: str, rows: str, options: list[str], says: str
 ) -> None:
-    cases = write(tmp_path / "cases.csv", f"material,radius,load\n{rows}\n")
-    assert says in complaint(capsys, command, cases, "-o", tmp_path / "out.nc", *options)
-    assert sorted(tmp_path.iterdir()) == [cases]
+    cases = command.file("cases.csv", f"material,radius,load\n{rows}\n")
+    assert says in command.refused(name, cases, "-o", cases.with_name("out.nc"), *options)
+    assert sorted(cases.parent.iterdir()) == [cases]
 
 
 def test_results_that_are_not_there_are_named_with_those_that_are(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert "WRONG: no such file or folder; must be results/STUDY" in complaint(
-        capsys, "query", "results/WRONG", "--at", "load=1"
-    )
+    said = command.refused("query", "results/WRONG", "--at", "load=1")
+    assert "WRONG: no such file or folder; must be results/STUDY" in said
     for name in ("one", "two"):
         (tmp_path / "results" / name).mkdir(parents=True)
         (tmp_path / "results" / name / "surrogate.nc").touch()
-    said = complaint(capsys, "query", "results/tow", "--at", "load=1")
+    said = command.refused("query", "results/tow", "--at", "load=1")
     assert "results/tow: no such file or folder" in said
     assert "did you mean 'two'? allowed: one, two; `meecontact run STUDY` makes one" in said
     (tmp_path / "results" / "one" / "report.html").touch()
-    page = complaint(capsys, "query", "results/one/report.html", "--at", "load=1")
+    page = command.refused("query", "results/one/report.html", "--at", "load=1")
     assert "results/one/report.html: is a page, no surrogate; results/one/surrogate.nc is" in page
 
 
-def test_missing_files_and_folders_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_files_and_folders_are_named(tmp_path: Path, command: Command) -> None:
     absent = tmp_path / "absent.csv"
-    assert f"{absent}: No such file" in complaint(capsys, "solve", absent, "-o", tmp_path / "out.nc")
-    cases = write(tmp_path / "cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
-    line = complaint(capsys, "solve", cases, "-o", tmp_path / "absent" / "out.nc")
+    assert f"{absent}: No such file" in command.refused("solve", absent, "-o", tmp_path / "out.nc")
+    cases = command.file("cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
+    line = command.refused("solve", cases, "-o", tmp_path / "absent" / "out.nc")
     assert f"{tmp_path / 'absent'} does not exist" in line
-    assert f"surrogate: {tmp_path}: holds no surrogate.nc" in complaint(capsys, "query", tmp_path, "--at", "load=1")
-    assert "'slove' is unknown; did you mean 'solve'?" in complaint(capsys, "slove")
-    assert "-o/--output" in complaint(capsys, "interior", cases, "--x=0", "--y=-1")
+    assert f"surrogate: {tmp_path}: holds no surrogate.nc" in command.refused("query", tmp_path, "--at", "load=1")
+    assert "'slove' is unknown; did you mean 'solve'?" in command.refused("slove")
+    assert "-o/--output" in command.refused("interior", cases, "--x=0", "--y=-1")
 
 
 POINT = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
@@ -100,12 +79,10 @@ ONE = {name: xr.DataArray([value], dims="point") for name, value in POINT.items(
 
 
 @pytest.mark.parametrize(("options", "level"), [([], 0.95), (["--level", "0.8"], 0.8)])
-def test_query_prints_what_the_surrogate_says(
-    ran: Project, capsys: pytest.CaptureFixture[str], options: list[str], level: float
-) -> None:
+def test_query_prints_what_the_surrogate_says(ran: Project, command: Command, options: list[str], level: float) -> None:
     model = surrogate.load(ran.folder / "results/small/surrogate.nc")
-    assert main.main(["query", str(ran.folder / "results/small"), "--si", "--at", AT, *options]) == 0
-    printed = {line.split()[0]: line.rstrip() for line in capsys.readouterr().out.splitlines()}
+    out, _ = command("query", ran.folder / "results/small", "--si", "--at", AT, *options)
+    printed = {line.split()[0]: line.rstrip() for line in out.splitlines()}
     expected = model.predict(ONE).merge(model.interval(ONE, level))
     assert list(printed) == list(model.outputs_)
     for name, line in printed.items():
@@ -116,10 +93,10 @@ def test_query_prints_what_the_surrogate_says(
         assert [float(text) for text in match.groups()] == pytest.approx(ends, abs=0.0255 * (ends[2] - ends[1]))
 
 
-def test_query_writes_what_the_surrogate_says(ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_query_writes_what_the_surrogate_says(ran: Project, tmp_path: Path, command: Command) -> None:
     path, out = ran.folder / "results/small/surrogate.nc", tmp_path / "out.csv"
-    table = write(tmp_path / "at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
-    assert main.main(["query", str(path), str(table), "-o", str(out)]) == 0
+    table = command.file("at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
+    command("query", path, table, "-o", out)
     rows, model = pd.read_csv(out), surrogate.load(path)
     expected = model.predict(ONE).merge(model.interval(ONE))
     columns = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
@@ -128,36 +105,32 @@ def test_query_writes_what_the_surrogate_says(ran: Project, tmp_path: Path, caps
         assert rows[name][0] == pytest.approx(float(expected[name][0]), rel=1e-9)
     assert rows["radius"].tolist() == [0.1, 0.02]
     out.unlink()
-    capsys.readouterr()
     for level in ("1", "0", "nan", "0.99999"):
-        said = complaint(capsys, "query", path, table, "-o", out, "--level", level)
+        said = command.refused("query", path, table, "-o", out, "--level", level)
         assert said.startswith(f"meecontact: --level: level {float(level):g} is not between 0 and 0.999")
         assert not out.exists()
 
 
 def test_query_gives_the_exact_answer_beside_its_own(
-    ran: Project, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    ran: Project, tmp_path: Path, command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ran.folder)
     path, out = "results/small/surrogate.nc", tmp_path / "out.csv"
-    assert main.main(["query", path, "--at", AT, "--exact", "small", "-o", str(out)]) == 0
+    command("query", path, "--at", AT, "--exact", "small", "-o", out)
     row, exact = pd.read_csv(out).iloc[0], solve(POINT)
     for name in ("voltage_per_load", "peak_pressure"):
         assert row[f"{name}_exact"] == pytest.approx(float(exact[name]), rel=1e-13)
-    assert main.main(["query", path, "--at", AT, "--exact", "small"]) == 0
-    assert f"exact {float(exact['peak_pressure']) / 1e6:.10g} MPa" in capsys.readouterr().out
-    assert "the study's factors are" in complaint(capsys, "query", path, "--at", AT, "--exact", "quickstart")
-    other = write(tmp_path / "another.yaml", SMALL.replace("fibrous", "laminate"))
-    line = complaint(capsys, "query", path, "--at", AT, "--exact", other)
+    printed, _ = command("query", path, "--at", AT, "--exact", "small")
+    assert f"exact {float(exact['peak_pressure']) / 1e6:.10g} MPa" in printed
+    assert "the study's factors are" in command.refused("query", path, "--at", AT, "--exact", "quickstart")
+    other = command.file("another.yaml", SMALL.replace("fibrous", "laminate"))
+    line = command.refused("query", path, "--at", AT, "--exact", other)
     assert f"--exact: {other}: the surrogate was made from another study, or another state of it" in line
-    assert "study: 'smal' is unknown" in complaint(capsys, "query", path, "--at", AT, "--exact", "smal")
+    assert "study: 'smal' is unknown" in command.refused("query", path, "--at", AT, "--exact", "smal")
 
 
-def test_the_installed_command_exits_with_the_status(copy: Copy, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        main.main(["--version"])
-    assert stopped.value.code == 0
-    assert capsys.readouterr().out == f"meecontact {version('meecontact')}\n"
+def test_the_installed_command_exits_with_the_status(copy: Copy, command: Command) -> None:
+    assert command("--version") == (f"meecontact {version('meecontact')}\n", "")
     project = copy("command")
     done = project.run("meecontact", "material", "stel", check=False, cold=True)
     assert done.returncode == 2
@@ -166,16 +139,14 @@ def test_the_installed_command_exits_with_the_status(copy: Copy, capsys: pytest.
 
 
 @pytest.mark.parametrize("flux", ["", ",total_flux=1 nWb"])
-def test_one_case_is_printed_in_engineering_units(flux: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["solve", "--at", f"material=PZT-4,profile=sphere,radius=5 mm,force=1 N{flux}"]) == 0
-    quantities, left_out = capsys.readouterr().out.split("\n\n")
-    assert (
-        "left out: Adhesion widens the contact by 2.3 %; 50 mJ/m² holds the ball with 1.2 mN." in left_out.splitlines()
-    )
+def test_one_case_is_printed_in_engineering_units(flux: str, command: Command) -> None:
+    out, _ = command("solve", "--at", f"material=PZT-4,profile=sphere,radius=5 mm,force=1 N{flux}")
+    quantities, notes = (part.splitlines() for part in out.split("\n\n"))
+    assert "left out: Adhesion widens the contact by 2.3 %; 50 mJ/m² holds the ball with 1.2 mN." in notes
     magnetic_default = ["magnetic conducting"] if flux else []
     defaults = ["punch rigid", "friction 0", "electric conducting", *magnetic_default, "total_charge 0"]
-    assert left_out.splitlines()[0] == f"defaults: {', '.join(defaults)}"
-    printed = dict(line.split(maxsplit=1) for line in quantities.splitlines())
+    assert notes[0] == f"defaults: {', '.join(defaults)}"
+    printed = dict(line.split(maxsplit=1) for line in quantities)
     case = {"material": "PZT-4", "profile": "sphere", "radius": 5e-3, "force": 1.0}
     exact = solver.solve(case | ({"total_flux": 1e-9} if flux else {}))
     magnetic = {
@@ -202,8 +173,5 @@ def test_one_case_is_printed_in_engineering_units(flux: str, capsys: pytest.Capt
         (["examples/cases.csv"], "5 cases need -o"),
     ],
 )
-def test_a_printed_case_is_refused_in_one_line(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["solve", *words]) == 2
-    error = capsys.readouterr().err
-    assert said in error
-    assert error.count("\n") == 1
+def test_a_printed_case_is_refused_in_one_line(words: list[str], said: str, command: Command) -> None:
+    assert said in command.refused("solve", *words)

@@ -13,16 +13,14 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import UNITS
 from solver.material.punches import punches
 from solver.units import in_si
-from tests.workflow.cli.test_main import complaint
-from workflow.cli import main
+from tests.programs import Command
 from workflow.language.numbers import shown
 from workflow.run.provenance import ROOT
 from workflow.study.reading import read_material
 
 
-def test_material_lists_what_is_built_in(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["material"]) == 0
-    out = capsys.readouterr().out
+def test_material_lists_what_is_built_in(command: Command) -> None:
+    out, _ = command("material")
     assert max(map(len, out.splitlines())) <= 100
     entries = [" ".join(text.split()) for text in re.split(r"\n(?! )", out)]
     for (name, material), entry in zip(solver.materials().items(), entries, strict=False):
@@ -66,9 +64,8 @@ alternatives:
 """
 
 
-def test_limits_and_alternatives_with_units(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / "m.yaml"
-    path.write_text(EVIDENCE, encoding="utf-8")
+def test_limits_and_alternatives_with_units(command: Command) -> None:
+    path = command.file("m.yaml", EVIDENCE)
     name, material = read_material(path)
     assert name == "mine"
     assert {kind: (limit.value, limit.source) for kind, limit in material.limits.items()} == {
@@ -76,18 +73,16 @@ def test_limits_and_alternatives_with_units(tmp_path: Path, capsys: pytest.Captu
         "coercive_field": (0.8e6, "another"),
     }
     assert material.alternatives[0].constants == {"c44": 25e9, "eps33": 12.7e-9}
-    assert main.main(["material", str(path)]) == 0
-    printed = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    printed = [" ".join(line.split()) for line in command("material", path)[0].splitlines()]
     assert "c44 23 GPa 23 GPa to 25 GPa by source" in printed
     assert "c11 126 GPa" in printed
     assert "mine (alternative 1): c44 = 25 GPa, eps33 = 12.7 nF/m: another lot" in printed
     assert "coercive_field 800 kV/m another" in printed
 
 
-def test_the_compliance_of_a_material_has_the_solver_s_numbers(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_compliance_of_a_material_has_the_solver_s_numbers(command: Command) -> None:
     name = "BaTiO3-CoFe2O4 50:50"
-    assert main.main(["material", name]) == 0
-    out = capsys.readouterr().out
+    out, _ = command("material", name)
     half = HalfPlane(solver.find(name))
     speed = float(solver.limiting_speed(solver.find(name)))
     assert f"limiting speed of a conducting punch: {speed / 1e3:.6g} km/s" in out
@@ -126,12 +121,9 @@ GOOD = "c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\n"
         ("- 1\n", "not a mapping"),
     ],
 )
-def test_bad_materials_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str, expected: str
-) -> None:
-    path = tmp_path / "m.yaml"
-    path.write_text(text, encoding="utf-8")
-    refusal = complaint(capsys, "material", path)
+def test_bad_materials_are_refused(command: Command, text: str, expected: str) -> None:
+    path = command.file("m.yaml", text)
+    refusal = command.refused("material", path)
     assert refusal.startswith(f"meecontact: {path}: ")
     assert expected in refusal
 
@@ -149,9 +141,8 @@ UNITS_OF_N = [["Pa-1", "V/Pa/m", "A/Pa/m"], ["m2 C-1", "V m C-1", "A m C-1"], ["
 
 
 @pytest.mark.parametrize("name", ["skin", "steel"])
-def test_a_punch_has_its_constants_for_heat(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["material", name]) == 0
-    punch = capsys.readouterr().out.split(f"{name} as a punch: ")[1]
+def test_a_punch_has_its_constants_for_heat(name: str, command: Command) -> None:
+    punch = command("material", name)[0].split(f"{name} as a punch: ")[1]
     for constant, units in (("conductivity", "W m-1 K-1"), ("heat_capacity", "J m-3 K-1")):
         value = shown(punches()[name].thermal[constant].value, units, 6)
         assert re.search(rf"  {constant} +{re.escape(value)} +\S", punch), constant

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 from surrogate import GridGP, Input, save
-from tests.workflow.cli.test_main import complaint
-from workflow.cli import main, query
+from tests.programs import Command
+from workflow.cli import query
 
 ESCAPE = "\x1b]0;owned\x07\x1b[31m"
 
@@ -44,8 +44,8 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("radius=5kg", "radius: '5kg': unit mismatch: 'kg' does not measure what 'm' measures"),
     ],
 )
-def test_no_answer_is_no_number(model: Path, capsys: pytest.CaptureFixture[str], point_text: str, says: str) -> None:
-    assert says in complaint(capsys, "query", model, "--at", point_text, "--extrapolate")
+def test_no_answer_is_no_number(model: Path, command: Command, point_text: str, says: str) -> None:
+    assert says in command.refused("query", model, "--at", point_text, "--extrapolate")
 
 
 @pytest.mark.parametrize(
@@ -56,56 +56,47 @@ def test_no_answer_is_no_number(model: Path, capsys: pytest.CaptureFixture[str],
         ("0.1,0.1\n0.1,1e999", "line 3: friction: inf is not a finite number"),
     ],
 )
-def test_a_bad_point_has_its_line(
-    model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: str, says: str
-) -> None:
-    table = tmp_path / "at.csv"
-    table.write_text(f"radius,friction\n{rows}\n", encoding="utf-8")
-    assert f"{table}: {says}" in complaint(capsys, "query", model, table, "-o", tmp_path / "out.csv")
-    assert list(tmp_path.iterdir()) == [table]
+def test_a_bad_point_has_its_line(model: Path, command: Command, rows: str, says: str) -> None:
+    table = command.file("at.csv", f"radius,friction\n{rows}\n")
+    assert f"{table}: {says}" in command.refused("query", model, table, "-o", table.with_name("out.csv"))
+    assert list(table.parent.iterdir()) == [table]
 
 
-def test_a_point_outside_the_box_is_refused_or_flagged(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_point_outside_the_box_is_refused_or_flagged(model: Path, command: Command) -> None:
     words = ["query", str(model), "--at", "radius=0.3,friction=0.1"]
-    assert "radius = 0.3 is outside the trained box" in complaint(capsys, *words)
-    assert main.main([*words, "--extrapolate"]) == 0
-    assert "extrapolated" in capsys.readouterr().out
+    assert "radius = 0.3 is outside the trained box" in command.refused(*words)
+    assert "extrapolated" in command(*words, "--extrapolate")[0]
 
 
-def test_a_table_is_answered_with_every_digit(model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    table, out = tmp_path / "at.csv", tmp_path / "out.csv"
+def test_a_table_is_answered_with_every_digit(model: Path, command: Command) -> None:
     points = np.random.default_rng(0).uniform([0.01, 0.0], [0.3, 0.5], (5000, 2))
-    table.write_text("radius,friction\n" + "".join(f"{r!r},{f!r}\n" for r, f in points.tolist()), encoding="utf-8")
-    assert main.main(["query", str(model), str(table), "-o", str(out), "--extrapolate"]) == 0
-    shown = capsys.readouterr()
-    doubt, wrote = shown.err.splitlines()
-    assert (shown.out, wrote) == ("", f"wrote {out}: 5000 points, 1 outputs")
+    rows = "".join(f"{r!r},{f!r}\n" for r, f in points.tolist())
+    table = command.file("at.csv", f"radius,friction\n{rows}")
+    out = table.with_name("out.csv")
+    printed, said = command("query", model, table, "-o", out, "--extrapolate")
+    doubt, wrote = said.splitlines()
+    assert (printed, wrote) == ("", f"wrote {out}: 5000 points, 1 outputs")
     assert doubt.startswith("not calibrated: ")
     with out.open(encoding="utf-8", newline="") as file:
-        header, *rows = csv.reader(file)
+        header, *answers = csv.reader(file)
     assert header[:2] == ["radius", "friction"]
-    np.testing.assert_array_equal(np.array([row[:2] for row in rows], dtype=float), points)
-    assert [row[-1] for row in rows] == [str(int(r > 0.2 * (1 + 1e-9))) for r in points[:, 0]]
+    np.testing.assert_array_equal(np.array([row[:2] for row in answers], dtype=float), points)
+    assert [row[-1] for row in answers] == [str(int(r > 0.2 * (1 + 1e-9))) for r in points[:, 0]]
 
 
-def test_names_cannot_command_the_terminal(model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["query", str(model), "--at", "radius=0.1,friction=0.1"]) == 0
-    shown = capsys.readouterr().out
+def test_names_cannot_command_the_terminal(model: Path, command: Command) -> None:
+    shown, _ = command("query", model, "--at", "radius=0.1,friction=0.1")
     assert "depth\\x1b]0;owned\\x07\\x1b[31m" in shown
     assert all(line.isprintable() for line in shown.split("\n"))
-    material = tmp_path / "own.yaml"
     text = '"\\e]0;owned\\a\\e[31m \\u202e\\n steel: admissible"'
-    material.write_text(
-        f"name: {text}\nnote: {text}\nsource: {text}\nc11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n", encoding="utf-8"
-    )
-    said = complaint(capsys, "material", material)
-    assert said.strip().isprintable()
+    constants = "c11: 166e9\nc13: 78e9\nc33: 162e9\nc44: 43e9\n"
+    material = command.file("own.yaml", f"name: {text}\nnote: {text}\nsource: {text}\n{constants}")
+    assert command.refused("material", material).strip().isprintable()
 
 
-def test_no_input_or_device_is_replaced(model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    cases, points = tmp_path / "cases.csv", tmp_path / "points.csv"
-    cases.write_text("material,radius,load\nsteel,0.05,1e5\n", encoding="utf-8")
-    points.write_text("radius,friction\n0.1,0.1\n", encoding="utf-8")
+def test_no_input_or_device_is_replaced(model: Path, tmp_path: Path, command: Command) -> None:
+    cases = command.file("cases.csv", "material,radius,load\nsteel,0.05,1e5\n")
+    points = command.file("points.csv", "radius,friction\n0.1,0.1\n")
     before, pipe, link = model.read_bytes(), tmp_path / "pipe.nc", tmp_path / "link.nc"
     os.mkfifo(pipe)
     (folder := tmp_path / "folder.nc").mkdir()
@@ -119,11 +110,11 @@ def test_no_input_or_device_is_replaced(model: Path, tmp_path: Path, capsys: pyt
         (["solve", cases], folder, other),
     ]
     for words, out, says in refused:
-        assert f"{out}: {says}" in complaint(capsys, *words, "-o", out)
+        assert f"{out}: {says}" in command.refused(*words, "-o", out)
     for out in (model, Path("/dev/null")):
-        assert f"'{out}': must end in .csv" in complaint(capsys, "query", model, points, "-o", out)
-    assert "not a regular file" in complaint(capsys, "query", pipe, "--at", "radius=0.1,friction=0.1")
-    assert "not a regular file" in complaint(capsys, "material", pipe)
+        assert f"'{out}': must end in .csv" in command.refused("query", model, points, "-o", out)
+    assert "not a regular file" in command.refused("query", pipe, "--at", "radius=0.1,friction=0.1")
+    assert "not a regular file" in command.refused("material", pipe)
     assert model.read_bytes() == before
     assert pipe.is_fifo()
     assert Path("/dev/null").is_char_device()

@@ -1,30 +1,32 @@
-"""``meecontact design``: questions in words, answered from the results of a study."""
+"""``meecontact design`` and ``invert``: questions in words, answered from the results of a study."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from solver import solve
+from surrogate import GridGP, Input
+from tests.programs import Command
+from tests.studies import made
 from tests.workflow.conftest import Project
-from workflow.cli import main, questions
+from workflow.cli import questions
 from workflow.design.search import targets
 from workflow.design.verdict.answer import Answer
 from workflow.design.wording.table import as_csv, as_json
 from workflow.study.reading import InputError
 
 
-def test_answers_in_both_forms(
-    ran: Project, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_answers_in_both_forms(ran: Project, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     words = ["--maximise", "abs(voltage_per_load)", "--over", "radius,volume_fraction", "--at", "load=1e4"]
     words += ["--worst-case", "friction=0.1:0.4", "--limit", "trailing_tension<5e7"]
     monkeypatch.chdir(ran.folder)
     ask = questions.ask
     answers: list[Answer] = []
-    tables: list[str] = []
 
     def once(*question: Any) -> Answer:
         if not answers:
@@ -32,9 +34,7 @@ def test_answers_in_both_forms(
         return answers[0]
 
     monkeypatch.setattr(questions, "ask", once)
-    for form in ([], ["--json"]):
-        assert main.main(["design", "results/small", *words, *form]) == 0
-        tables.append(capsys.readouterr().out)
+    tables = [command("design", "results/small", *words, *form)[0] for form in ([], ["--json"])]
     first, sentence, *table = tables[0].splitlines()
     assert first == "maximise abs(voltage_per_load)"
     assert sentence.startswith("Beyond linear theory; otherwise recommended within the model; a tilt of ")
@@ -52,7 +52,7 @@ def test_answers_in_both_forms(
 
 
 def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
-    ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.chdir(ran.folder)
     options = {"maximise": ["peak_pressure"], "over": ["radius"], "at": ["load=1e4,friction=0,volume_fraction=0.5"]}
@@ -60,13 +60,11 @@ def test_an_answer_is_written_as_its_ending_says_or_not_at_all(
     answer = questions.ask(Path("results/small"), options)
     monkeypatch.setattr(questions, "ask", lambda *_: answer)  # what is asked of it: the test above
     for name, written in (("x.csv", as_csv([answer])), ("x.json", f"{as_json(answer)}\n")):
-        assert main.main([*words, "-o", str(tmp_path / name)]) == 0
+        printed, said = command(*words, "-o", tmp_path / name)
         assert (tmp_path / name).read_text(encoding="utf-8") == written
-        printed, said = capsys.readouterr()
         assert (printed, said.startswith(f"wrote {tmp_path / name}: ")) == ("", True)
-    with pytest.raises(SystemExit, match="2"):
-        main.main([*words, "-o", str(tmp_path / "x.xlsx")])
-    assert "x.xlsx': must end in .csv or .json: the answer is written as CSV or JSON\n" in capsys.readouterr().err
+    refusal = command.refused(*words, "-o", tmp_path / "x.xlsx")
+    assert "x.xlsx': must end in .csv or .json: the answer is written as CSV or JSON\n" in refusal
     assert {path.name for path in tmp_path.iterdir()} == {"x.csv", "x.json"}
 
 
@@ -142,3 +140,56 @@ def test_results_may_be_a_link_to_another_disk(ran: Project, tmp_path: Path, mon
         study, model = questions.results(folder)
         assert study.title == "A small study"
         assert model.made_from_
+
+
+ONE_FACTOR = """
+title: A punch
+fixed: {material: BaTiO3, friction: 0.2, radius: 0.05}
+factors: {load: {low: 1e3, high: 1e5, levels: 5, scale: log}}
+surrogate: {outputs: [voltage]}
+"""
+SLOPE = -0.05  # V for a N/m
+
+
+@pytest.fixture
+def _one_factor(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Results of a study whose voltage is linear in the load."""
+    axis = Input("load", 1e3, 1e5, "log", "N m-1")
+    levels = axis.levels(14)
+    model = GridGP(inputs=[axis]).fit(xr.Dataset({"voltage": ("load", SLOPE * levels)}, {"load": levels}))
+    study = made(ONE_FACTOR)
+    monkeypatch.setattr(questions, "results", lambda folder: (study, model))
+
+
+WORDS = ("invert", "results/one", "--si", "--infer", "load", "--measured")
+
+
+@pytest.mark.usefixtures("_one_factor")
+@pytest.mark.parametrize(
+    "text",
+    ["-519+-1%", "-0.519kV+-1%", "-519e3mV+-5190 mV", "-0.519+-0.00519 kV", "−519 ± 1 %", "-5.19×10² V +/- 5.19 V"],
+)
+def test_one_measurement_in_all_its_forms(text: str, command: Command) -> None:
+    printed, _ = command(*WORDS, f"voltage={text}")
+    mean, low, high = map(float, re.findall(r"[\d.e+]+(?=[\] ,])", printed)[:3])
+    # the posterior of what is linear, uniform in the logarithm before: normal about 519/0.05 within 1e-4
+    assert mean == pytest.approx(-519 / SLOPE, rel=2e-3)
+    np.testing.assert_allclose([low, high], [mean * (1 - 0.0196), mean * (1 + 0.0196)], rtol=2e-3)
+
+
+@pytest.mark.usefixtures("_one_factor")
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("-0.519kV", "'-0.519kV' is not of the form VALUE+-STD"),
+        ("-519+-5mm", "unit mismatch: 'mm' does not measure what 'V' measures"),
+        ("-519+-0%", "'0%' is not a positive number with a unit"),
+        ("-519+--5", "'-5' is not a positive number with a unit"),
+        ("nan+-1%", "--measured: voltage"),
+        ("519+-1%", "voltage would fit with the opposite sign"),
+        ("-519uV+-1%", "voltage would fit with a factor of 1e+06"),
+        ("519mV+-1%", "voltage would fit with the opposite sign and a factor of 1000"),
+    ],
+)
+def test_what_is_none_is_refused_in_one_line(text: str, says: str, command: Command) -> None:
+    assert says in command.refused(*WORDS, f"voltage={text}")

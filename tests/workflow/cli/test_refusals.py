@@ -8,26 +8,26 @@ from pathlib import Path
 import pytest
 from snakemake.cli import parse_config
 
-from tests.workflow.cli.test_main import complaint
+from tests.programs import Command
 from workflow.language.spelling import nearest
 from workflow.run.provenance import ROOT
 from workflow.study import location
 
 
 @pytest.mark.parametrize("count", ["0", "-1", "x", "1.5", "", "１", "9" * 4301])
-def test_cores_are_a_number_from_one_on_or_all(count: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "--cores: " in complaint(capsys, "run", "quickstart", f"--cores={count}")
+def test_cores_are_a_number_from_one_on_or_all(count: str, command: Command) -> None:
+    assert "--cores: " in command.refused("run", "quickstart", f"--cores={count}")
 
 
-@pytest.mark.parametrize("command", [["solve"], ["interior", "--x=0", "--y=-1"]])
-def test_netcdf_has_no_other_suffix(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("words", [["solve"], ["interior", "--x=0", "--y=-1"]])
+def test_netcdf_has_no_other_suffix(words: list[str], tmp_path: Path, command: Command) -> None:
     out = tmp_path / "x.xlsx"
-    assert "must end in .nc" in complaint(capsys, *command, ROOT / "examples/cases.csv", "-o", out)
+    assert "must end in .nc" in command.refused(*words, ROOT / "examples/cases.csv", "-o", out)
     assert not out.exists()
 
 
-def test_a_composite_is_no_misspelt_material(capsys: pytest.CaptureFixture[str]) -> None:
-    refusal = complaint(capsys, "material", "AlScN")
+def test_a_composite_is_no_misspelt_material(command: Command) -> None:
+    refusal = command.refused("material", "AlScN")
     assert "is a composition, not one material: a case says composite=AlScN and scandium_fraction" in refusal
     assert "scandium_fraction" in refusal
     assert "did you mean" not in refusal
@@ -55,11 +55,11 @@ def test_snakemake_hands_on_any_path_of_a_study(folder: str, tmp_path: Path, mon
 
 
 def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     (tmp_path / "a\\b").mkdir()
     monkeypatch.chdir(tmp_path / "a\\b")
-    assert "backslash" in complaint(capsys, "run", "quickstart")
+    assert "backslash" in command.refused("run", "quickstart")
 
 
 STUDY = """\
@@ -78,28 +78,28 @@ def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "other/mine.yaml"
 
 
-def test_a_bad_study_is_one_line_and_nothing_is_written(mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_bad_study_is_one_line_and_nothing_is_written(mine: Path, command: Command) -> None:
     mine.write_text(STUDY.replace("load:", "laod:"), encoding="utf-8")
-    line = complaint(capsys, "run", mine)
+    line = command.refused("run", mine)
     assert "other/mine.yaml: factors.laod: 'laod' is not a factor; did you mean 'load'" in line
     assert {file.name for file in Path().rglob("*")} == {"other", "mine.yaml"}
 
 
 @pytest.mark.parametrize("name", ["results", "logs", "results/mine", "logs/mine"])
-def test_a_file_where_results_would_go_is_named(name: str, mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_where_results_would_go_is_named(name: str, mine: Path, command: Command) -> None:
     Path(name).parent.mkdir(exist_ok=True)
     Path(name).write_text("", encoding="utf-8")
-    assert f"{name}: is no folder" in complaint(capsys, "run", mine, "-n")
+    assert f"{name}: is no folder" in command.refused("run", mine, "-n")
 
 
-def test_results_of_a_namesake_are_not_replaced(mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_results_of_a_namesake_are_not_replaced(mine: Path, command: Command) -> None:
     first = Path("config/mine.yaml")
     first.parent.mkdir()
     first.write_text(STUDY, encoding="utf-8")
     results = Path("results/mine")
     results.mkdir(parents=True)
     (results / "provenance.json").write_text(json.dumps({"study": "../../config/mine.yaml"}), encoding="utf-8")
-    assert "results/mine: holds the results of" in complaint(capsys, "run", mine, "-n")
+    assert "results/mine: holds the results of" in command.refused("run", mine, "-n")
     location.given(str(mine))
     first.unlink()  # the study has moved
     location.check_owner("mine", results)

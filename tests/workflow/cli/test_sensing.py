@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.workflow.cli.test_main import complaint
-from workflow.cli import main, sensing
+from tests.programs import Command
+from workflow.cli import sensing
 from workflow.cli.sensing import read_history
 from workflow.device import contact
 from workflow.run.provenance import ROOT
@@ -20,16 +20,13 @@ CASE = "profile=sphere,material=BaTiO3,radius=5 mm"
 DEVICE = "input_capacitance=10 pF,input_resistance=1 GOhm"
 
 
-def test_the_page_s_example(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_page_s_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(contact, "_COUNT", 5)  # contacts in air take long
-    (tmp_path / "history.csv").write_text(BLOCKS[0].replace("    ", ""), encoding="utf-8")
+    command.file("history.csv", BLOCKS[0].replace("    ", ""))
     program, *words = shlex.split(BLOCKS[1])
     assert program == "meecontact"
-    assert main.main(words) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = command(*words)[0].splitlines()
     table = np.genfromtxt("signal.csv", delimiter=",", skip_header=1)
     assert table.shape == (41, 5)
     peak = table[np.abs(table[:, 3]).argmax(), 3]
@@ -40,29 +37,24 @@ def test_the_page_s_example(
     assert any(line.startswith("noise floor: ") for line in lines)
 
 
-def test_long_signals_are_thinned(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_long_signals_are_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     count = 10_001
     force = np.minimum(np.arange(count) / 1_000, 1) * 2  # N
-    path, out = tmp_path / "long.csv", tmp_path / "out.csv"
-    path.write_text("time [s],force [N]\n" + "".join(f"{k * 1e-4:.4f},{value:.6f}\n" for k, value in enumerate(force)))
-    arguments = ["signal", str(path), "--on", CASE, "--device", DEVICE, "-o", str(out)]
-    assert main.main(arguments) == 0
+    rows, out = "".join(f"{k * 1e-4:.4f},{value:.6f}\n" for k, value in enumerate(force)), tmp_path / "out.csv"
+    path = command.file("long.csv", f"time [s],force [N]\n{rows}")
+    options: list[str | Path] = ["--on", CASE, "--device", DEVICE, "-o", out]
+    command("signal", path, *options)
     full = np.genfromtxt(out, delimiter=",", skip_header=1)
-    coarse = tmp_path / "coarse.csv"
-    coarse.write_text("time [s],force [N]\n0,0\n0.1,2\n1,2\n", encoding="utf-8")
-    assert main.main([*arguments[:1], str(coarse), *arguments[2:6], "--parts", "10", "-o", str(out)]) == 0
+    command("signal", command.file("coarse.csv", "time [s],force [N]\n0,0\n0.1,2\n1,2\n"), *options, "--parts", "10")
     few = np.genfromtxt(out, delimiter=",", skip_header=1)
     np.testing.assert_allclose(
         np.interp(few[:, 0], full[:, 0], full[:, 3]), few[:, 3], atol=1e-6 * np.abs(few[:, 3]).max()
     )
     monkeypatch.setattr(sensing, "_MOST_WRITTEN", 500)
-    assert main.main(arguments) == 0
+    assert "of 10001: in groups" in command("signal", path, *options)[1]
     thinned = np.genfromtxt(out, delimiter=",", skip_header=1)
     assert len(thinned) < 600
     assert np.abs(thinned[:, 3]).max() == np.abs(full[:, 3]).max()
-    assert "of 10001: in groups" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -81,13 +73,11 @@ def test_long_signals_are_thinned(
         ("time,force\n0,0\n1,1\n", "material=BaTiO3,radius=1", DEVICE, "electrode_length: missing"),
     ],
 )
-def test_bad_input_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], history: str, case: str, device: str, words: str
-) -> None:
-    path, out = tmp_path / "history.csv", tmp_path / "out.csv"
-    path.write_text(history, encoding="utf-8")
-    assert words in complaint(capsys, "signal", path, "--on", case, "--device", device, "-o", out)
-    assert not out.exists()
+def test_bad_input_is_refused_in_one_line(command: Command, history: str, case: str, device: str, words: str) -> None:
+    path = command.file("history.csv", history)
+    options: list[str | Path] = ["--on", case, "--device", device, "-o", path.with_name("out.csv")]
+    assert words in command.refused("signal", path, *options)
+    assert [*path.parent.iterdir()] == [path]
 
 
 @pytest.mark.parametrize(
@@ -100,19 +90,18 @@ def test_bad_input_is_refused_in_one_line(
         ("time [s],force [N]\n0,0\n0.5,2\n1.5,2\n", 0.01, [0, 2, 2]),
     ],
 )
-def test_histories_are_tables_with_units(text: str, length: float | None, forces: list[float], tmp_path: Path) -> None:
-    path = tmp_path / "history.csv"
-    path.write_text(text, encoding="utf-8")
-    history, bare = read_history(path, length)
+def test_histories_are_tables_with_units(
+    text: str, length: float | None, forces: list[float], command: Command
+) -> None:
+    history, bare = read_history(command.file("history.csv", text), length)
     np.testing.assert_allclose(history.times, [0, 0.5, 1.5], rtol=1e-12)
     np.testing.assert_allclose(history.forces, forces, rtol=1e-12)
     assert bare == text.startswith("force,")
 
 
 @pytest.mark.parametrize(("heading", "zero"), [("temperature [K]", 0.0), ("temperature [degC]", 273.15)])
-def test_a_history_may_have_temperatures(heading: str, zero: float, tmp_path: Path) -> None:
-    path = tmp_path / "history.csv"
-    path.write_text(f"time [s],force [N],{heading}\n0,0,22\n1,1,33.5\n", encoding="utf-8")
+def test_a_history_may_have_temperatures(heading: str, zero: float, command: Command) -> None:
+    path = command.file("history.csv", f"time [s],force [N],{heading}\n0,0,22\n1,1,33.5\n")
     temperatures = read_history(path, None)[0].temperatures
     assert temperatures is not None
     np.testing.assert_allclose(temperatures, [22 + zero, 33.5 + zero], rtol=1e-15)
@@ -146,9 +135,6 @@ def test_a_history_may_have_temperatures(heading: str, zero: float, tmp_path: Pa
         ("time,force\n12:00:00,0\n12:00:01,1\n", "line 2: time: '12:00:00' is not a finite number [s]"),
     ],
 )
-def test_what_is_no_history_is_refused_by_its_reason(text: str, words: str, tmp_path: Path) -> None:
-    path = tmp_path / "history.csv"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(InputError) as refusal:
-        read_history(path, None)
-    assert words in str(refusal.value)
+def test_what_is_no_history_is_refused_by_its_reason(text: str, words: str, command: Command) -> None:
+    with pytest.raises(InputError, match=re.escape(words)):
+        read_history(command.file("history.csv", text), None)

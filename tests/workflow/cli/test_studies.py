@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from solver.names import ALL_QUANTITIES
+from tests.programs import Command
 from workflow.cli import studies
-from workflow.cli.main import main
 from workflow.cli.progress import Progress, busy, followed, step
 from workflow.run.provenance import ROOT
 from workflow.study.model import load
@@ -19,29 +19,24 @@ from workflow.study.reading import InputError, read_yaml
 
 
 def test_what_init_writes_is_a_study_with_a_comment_on_every_part(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["init", "mine"]) == 0
-    assert capsys.readouterr().err == "wrote config/mine.yaml: meecontact run mine\n"
+    assert command("init", "mine") == ("", "wrote config/mine.yaml: meecontact run mine\n")
     study = load(tmp_path / "config/mine.yaml")
     assert study.design["sensor"].limits
     assert study.cases == 12 * 4 * 6 * 6
     text = (tmp_path / "config/mine.yaml").read_text(encoding="utf-8")
     assert "meecontact run mine" in text
     assert text.count("#") > 12
-    assert main(["init", "mine"]) == 2
-    assert capsys.readouterr().err == (
-        "meecontact: init: config/mine.yaml is there already; remove it, or choose another name\n"
-    )
-    assert main(["init", "../mine"]) == 2
-    assert capsys.readouterr().err.startswith("meecontact: init: '../mine': a study's file must be named")
+    refusal = "meecontact: init: config/mine.yaml is there already; remove it, or choose another name\n"
+    assert command.refused("init", "mine") == refusal
+    assert command.refused("init", "../mine").startswith("meecontact: init: '../mine': a study's file must be named")
     assert [file.name for file in tmp_path.rglob("*.yaml")] == ["mine.yaml"]
-    assert main(["init", "balls", "--like", "point_sensor"]) == 0
+    command("init", "balls", "--like", "point_sensor")
     assert read_yaml(tmp_path / "config/balls.yaml") == read_yaml(ROOT / "config/point_sensor.yaml")
-    capsys.readouterr()
-    assert main(["init", "other", "--like", "point_senor"]) == 2
-    assert "--like: 'point_senor' is unknown; did you mean 'point_sensor'?" in capsys.readouterr().err
+    said = command.refused("init", "other", "--like", "point_senor")
+    assert "--like: 'point_senor' is unknown; did you mean 'point_sensor'?" in said
 
 
 def test_list_tells_every_name_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

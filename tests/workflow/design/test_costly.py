@@ -1,4 +1,4 @@
-"""Designs whose limits and goals are searched for, milliseconds a case: affordable, no regret, no broken limit."""
+"""Designs whose exact cases are costly, searched stresses and films: affordable, no regret, no broken limit."""
 
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from solver import solve
 from surrogate import GaussianProcess
-from tests.studies import fitted
+from tests.studies import fitted, made
 from workflow.dataset import factorial
 from workflow.design.question import costly
 from workflow.design.question.question import Question
@@ -128,12 +128,6 @@ def kinked() -> tuple[Study, GaussianProcess]:
     return study, fitted(study)
 
 
-def across(friction: float | Array) -> xr.Dataset:
-    """Exact cases across the kink."""
-    case = {"composite": "fibrous", "load": 1e4, "radius": 0.1, "volume_fraction": 0.9}
-    return solve({**case, "friction": friction}, peaks=True)
-
-
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("bound", [44.0, 46.0, 47.0])
 def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: float) -> None:
@@ -142,9 +136,10 @@ def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: 
          "subject_to": [f"peak_von_mises <= {bound} MPa"]}
     )  # fmt: skip
     answer = targets.answer(kinked[0], "most", most, kinked[1])
+    case = {"composite": "fibrous", "load": 1e4, "radius": 0.1, "volume_fraction": 0.9}
 
     def excess(friction: float) -> float:
-        return float(across(friction)["peak_von_mises"]) / (1e6 * bound) - 1
+        return float(solve({**case, "friction": friction}, peaks=True)["peak_von_mises"]) / (1e6 * bound) - 1
 
     friction = answer.variable("friction").value
     assert excess(friction) <= 0
@@ -236,3 +231,49 @@ def test_a_bias_of_the_surrogate_does_not_make_all_scenarios_of_a_film_decide(
     assert value == exact.max()
     assert cases <= most
     assert (cases == most) == (not tabled)
+
+
+FILM = """\
+title: A film
+fixed: {surroundings: insulated, composite: fibrous, volume_fraction: 0.55, radius: 0.05, load: 3e4}
+categories: {base: [rigid, steel]}
+factors:
+  friction: {low: 0.0, high: 0.2, levels: 3}
+  thickness: {low: 2e-4, high: 3e-4, levels: 5, scale: log}
+surrogate: {outputs: [voltage, voltage_per_load, trailing_tension]}
+validation: {cases: 20, calibration: 40, tolerance: 1e-3}
+design:
+  thick:
+    maximise: abs(voltage_per_load)
+    over: [thickness, base]
+    worst_case: {friction: [0.05, 0.15]}
+    subject_to: [nominal_field <= 0.8 kV/mm]
+"""
+
+
+def test_a_thickness_is_found_with_few_exact_cases(monkeypatch: pytest.MonkeyPatch) -> None:
+    study = made(FILM)
+    model = fitted(study)
+    counts: list[int] = []
+    exact = Exact.values
+
+    def counted(self: Exact, factors: Factors, names: list[str]) -> dict[str, Array]:
+        counts.append(int(np.prod(shape(factors))))
+        return exact(self, factors, names)
+
+    monkeypatch.setattr(Exact, "values", counted)
+    answer = targets.solve_target(study, "thick", model)
+    # the verdict of a half-plane would solve 201 scenarios at once, and every step of the polish some more
+    assert max(counts) <= 14  # loads up to the first limit, of one table
+    assert sum(counts) <= costly.AFFORDABLE_FILMS
+    assert "led by the surrogate" in answer.polish
+    assert answer.feasible
+    design = {name: answer.variable(name).value for name in study.factors}
+    base = answer.combination["base"]
+    goal, field = answer.terms
+    for term, limit in ((goal, False), (field, True)):
+        case = design | {"friction": term.worst["friction"], "base": base} | study.fixed
+        solved = solve(case)
+        value = solved["nominal_field"] if limit else abs(solved["voltage_per_load"])
+        assert term.exact == pytest.approx(float(value), rel=1e-6)
+    assert field.exact <= 8e5 * (1 + 1e-9)

@@ -19,7 +19,6 @@ from workflow.design.question.risk import Term, WorstCase, measure
 from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import targets
 from workflow.design.verdict import assessment, linearity, merit
-from workflow.design.verdict import assessment as sensitivity
 from workflow.language import statements, statistics
 from workflow.language.grammar import parse
 from workflow.study.contents import Origin
@@ -33,7 +32,7 @@ def test_elasticities_and_costs_are_those_of_hertz() -> None:
     study = standin.study(fixed=standin.FIXED | HERTZ)
     design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
     exact, _ = assessment.exactly(design, design.terms)
-    sensitivities = sensitivity.sensitivities(design, exact)
+    sensitivities = assessment.sensitivities(design, exact)
     assert sensitivities["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)
     assert sensitivities["load"].elasticity == pytest.approx((0.5, 1.0), rel=1e-6)
     assert sensitivities["radius"].cost == pytest.approx(0.99**-0.5 - 1, rel=1e-9)

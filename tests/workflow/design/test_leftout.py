@@ -27,11 +27,9 @@ from workflow.language import statements
 from workflow.language.numbers import shown
 from workflow.study.allowable import Allowable
 
+STEEL = {"profile": "sphere", "radius": 0.02, "force": 0.2, "punch": "steel"}
 AMPLIFIER = {"input_capacitance": 1e-11, "feedback_capacitance": 1e-11, "feedback_resistance": 1e13}
-BALL = {
-    "material": "PZT-4", "profile": "sphere", "radius": 0.02, "punch": "steel", "thickness": 80e-6, "base": "steel",
-    "magnetic": "insulating", "force": 0.2,
-}  # fmt: skip
+BALL = STEEL | {"material": "PZT-4", "thickness": 80e-6, "base": "steel", "magnetic": "insulating"}
 
 
 def of_pzt(name: str) -> Allowable:
@@ -100,7 +98,7 @@ ROLLER = {"radius": 0.05, "load": 1e4, "punch": "rigid", "friction": 0.2}
 def test_each_formula_gives_a_figure_by_hand(
     name: str, case: dict[str, Any], solved: dict[str, float], size: float, matters: float, share: float
 ) -> None:
-    whole = case if solved is LINE else {"profile": "sphere", "radius": 0.02, "force": 0.2, "punch": "steel"} | case
+    whole = case if solved is LINE else STEEL | case
     budget = effects(whole, solved, device=AMPLIFIER, band=0.1)
     effect = budget[name]
     assert effect.left_out_size == pytest.approx(size, rel=1e-4)  # five digits by hand
@@ -112,16 +110,13 @@ def test_each_formula_gives_a_figure_by_hand(
 
 
 def test_words_say_how_long_and_how_much() -> None:
-    ball = {"profile": "sphere", "radius": 0.02, "force": 0.2, "punch": "steel"}
-    budget = effects(ball | {"hold": 10.0}, POINT, AMPLIFIER, smallest_force=5e-6)
+    budget = effects(STEEL | {"hold": 10.0}, POINT, AMPLIFIER, smallest_force=5e-6)
     assert budget["amplifier"].left_out_words == (
         "The bias current adds 24 % of the signal in 10 s; 1 pA adds 950 mV where the signal is 4 V, and 10 V in the "
         "end (time constant 100 s); its charge equals that of the smallest force after 1 ms."
     )
-    unleaky = effects(ball, POINT | {"capacitance": 1e-11}, {"input_capacitance": 1e-11})["amplifier"]
-    assert unleaky.left_out_words == (
-        "The bias current adds 2.5 % of the signal in 1 s; 1 pA adds 50 mV where the signal is 2 V."
-    )
+    unleaky = effects(STEEL, POINT | {"capacitance": 1e-11}, {"input_capacitance": 1e-11})["amplifier"]
+    assert unleaky.left_out_words.endswith(" 2.5 % of the signal in 1 s; 1 pA adds 50 mV where the signal is 2 V.")
     small = effects({"profile": "sphere", "radius": 5e-3, "force": 1.0}, POINT)["adhesion"]
     assert small.left_out_words == "Adhesion widens the contact by 2.3 %; 50 mJ/m² holds the ball with 1.2 mN."
     assert small.left_out_moves == ""  # of a half-space
@@ -144,14 +139,11 @@ def test_heat_says_when_it_is_the_share_that_the_case_names() -> None:
 
 def test_a_weight_above_a_tenth_of_the_force_presses_too() -> None:
     def answer(factors: Mapping[str, Any]) -> xr.Dataset:
-        heavier = factors["force"] > 0.2
-        return xr.Dataset(
-            POINT | ({"peak_pressure": 90e6, "contact_stiffness": 8e6} if heavier else {"peak_pressure": 60e6})
-        )
+        heavier = {"peak_pressure": 90e6, "contact_stiffness": 8e6}
+        return xr.Dataset(POINT | (heavier if factors["force"] > 0.2 else {}))
 
-    ball = {"profile": "sphere", "force": 0.2, "punch": "steel"}
     heavy, light = (
-        effects(ball | {"radius": radius}, answer)["mass of the punch"].left_out_words for radius in (0.02, 0.003)
+        effects(STEEL | {"radius": radius}, answer)["mass of the punch"].left_out_words for radius in (0.02, 0.003)
     )
     # 4 pi/3 (20 mm)^3 of 7.8 g/cm3: 261 g on 8 N/um
     assert heavy == (
@@ -189,38 +181,34 @@ def test_the_amplifier_holds_the_electrode_where_fields_are_read(contact: str) -
             assert budget["coercive field"].left_out_size == pytest.approx(abs(solved["voltage"]) / 20e-6)
 
 
-def test_rules_of_roughness_and_tilt_are_those_of_contacts_in_space() -> None:
-    """Mean of five random surfaces within a tenth; tilted rollers on a half-space and on a thin film."""
+def in_space(body: surface.SurfaceBody, shape: Any, force: float) -> Any:
+    """The contact of a punch's shape in space, at zero volts and without air."""
+    return solve_contact(body, shape, force=force, voltage=0.0, air=None, cells=48)
+
+
+def roughened(body: surface.SurfaceBody, radius: float, force: float, rms: float) -> tuple[Any, float, list[Any]]:
+    """The contact of a smooth ball, its radius, and those of five random surfaces of the ball."""
+    smooth = in_space(body, sphere(radius), force)
+    half = float(np.sqrt(smooth.area / np.pi))
+    waves = [RoughSphere(radius, rms, 2 * half, half / 2, number) for number in range(5)]
+    return smooth, half, [in_space(body, shape, force) for shape in waves]
+
+
+@pytest.mark.parametrize(("radius", "force"), [(5e-3, 1.0), (20e-3, 0.02)])  # crests flattened, and apart
+def test_roughness_raises_the_pressure_as_five_random_surfaces_do_on_average(radius: float, force: float) -> None:
     body = surface.SurfaceBody((), find("PZT-4").stiffness_tensor())
-    for radius, force, rms in ((5e-3, 1.0, 1e-8), (20e-3, 0.02, 1e-8)):  # crests flattened, and apart
-        smooth = solve_contact(body, sphere(radius), force=force, voltage=0.0, air=None, cells=48)
-        half = float(np.sqrt(smooth.area / np.pi))
-        raised = [
-            solve_contact(
-                body, RoughSphere(radius, rms, 2 * half, half / 2, number), force=force, voltage=0.0, air=None, cells=48
-            ).peak_pressure
-            for number in range(5)
-        ]
-        case = {"profile": "sphere", "radius": radius, "force": force}
-        rule = effects(case, {"contact_radius": half})["roughness"]
-        assert np.mean(raised) / smooth.peak_pressure == pytest.approx(1 + rule.left_out_share, rel=0.1)
+    smooth, half, rough = roughened(body, radius, force, 1e-8)
+    rule = effects({"profile": "sphere", "radius": radius, "force": force}, {"contact_radius": half})["roughness"]
+    raised = np.mean([contact.peak_pressure for contact in rough]) / smooth.peak_pressure
+    assert raised == pytest.approx(1 + rule.left_out_share, rel=0.1)
 
 
 def test_roughness_moves_the_charge_of_a_film_by_less_than_is_said() -> None:
     film = surface.SurfaceLayer(find("PVDF").stiffness_tensor(), 6.3e-6, grounded=True)
-    radius, force, rms = 20e-3, 10e-3, 2e-8
-    body = surface.SurfaceBody((film,))
-    smooth = solve_contact(body, sphere(radius), force=force, voltage=0.0, air=None, cells=48)
-    half = float(np.sqrt(smooth.area / np.pi))
+    radius, rms = 20e-3, 2e-8
+    smooth, half, rough = roughened(surface.SurfaceBody((film,)), radius, 10e-3, rms)
     assert half / film.thickness == pytest.approx(5, rel=0.05)
-    moved = [
-        solve_contact(
-            body, RoughSphere(radius, rms, 2 * half, half / 2, number), force=force, voltage=0.0, air=None, cells=48
-        ).charge
-        / smooth.charge
-        - 1
-        for number in range(5)
-    ]
+    moved = [contact.charge / smooth.charge - 1 for contact in rough]
     most = leftout._CHARGE_MOVES * 2 * radius * rms / half**2
     assert 0.8 * most < max(moved) < 1.05 * most  # the second surface is the one that set it, on a grid of 64
     assert min(moved) > 0
@@ -240,10 +228,7 @@ def test_a_tilted_roller_is_that_in_space(
     stiffness = find("PZT-4").stiffness_tensor()
     film = surface.SurfaceBody((surface.SurfaceLayer(stiffness, thickness, grounded=True),)) if is_film else None
     body = film or surface.SurfaceBody((), stiffness)
-    plane, tilted = (
-        solve_contact(body, Roller(radius, length, tilt=slope), force=load * length, voltage=0.0, air=None, cells=48)
-        for slope in (0.0, tilt)
-    )
+    plane, tilted = (in_space(body, Roller(radius, length, tilt=slope), load * length) for slope in (0.0, tilt))
     middle = plane.y.size // 2
     half = float(plane.weight[:, middle].sum() * (plane.x[1] - plane.x[0]) / 2)
     away = np.abs(tilted.y) < length / 2 - 2 * half
@@ -385,19 +370,13 @@ def test_punches_in_space_have_the_figures_of_their_shapes() -> None:
 
 
 def test_signals_are_judged_at_the_smallest_force_and_stresses_at_the_largest() -> None:
-    cases = {force: {"profile": "sphere", "radius": 0.02, "force": force, "punch": "steel"} for force in (0.02, 0.2)}
-    kind = kind_of([*cases[0.2]], "sphere", "insulated")
-    radii = {0.02: 2e-5, 0.2: 4e-5}
-    least, most = (
-        SolvedCase(
-            kind,
-            case,
-            lambda case: xr.Dataset(POINT | {"contact_radius": radii.get(case["force"], np.nan)}),
-            of_pzt,
-            {},
-        )
-        for case in cases.values()
-    )
+    ball, radii = {"profile": "sphere", "radius": 0.02, "punch": "steel"}, {0.02: 2e-5, 0.2: 4e-5}
+    kind = kind_of([*ball, "force"], "sphere", "insulated")
+
+    def answer(case: Mapping[str, Any]) -> xr.Dataset:
+        return xr.Dataset(POINT | {"contact_radius": radii.get(case["force"], np.nan)})
+
+    least, most = (SolvedCase(kind, ball | {"force": force}, answer, of_pzt, {}) for force in radii)
     budget = {effect.left_out: effect for effect in leftout.budget(least, most)}
     assert budget["adhesion"].left_out_matters == 0.02
     assert budget["roughness"].left_out_matters == pytest.approx(8.1057e-9, rel=1e-4)

@@ -11,7 +11,7 @@ from solver.names import OF_HEAT
 from solver.stack.electrodes import Electrode
 from solver.stack.layers import Layer, Stack
 from storage.netcdf import write_whole
-from tests.studies import edited, made, refusal
+from tests.studies import edited, made
 from workflow.device import pressed
 from workflow.device.circuit import permittivity
 from workflow.device.contact import ContactCurves, film
@@ -114,26 +114,6 @@ def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "old", "new", "words"),
-    [
-        (
-            STUDY,
-            "signal: {design: touch,",
-            "signal: {study: ball, design: touch,",
-            "touch' is a name of this study's designs",
-        ),
-        (STUDY, "signal: {design: touch,", "signal: {", "signal.design: missing"),
-        (STUDY, "design: touch", "design: tuch", "signal: design: 'tuch' is not a design target; known are touch"),
-        (STUDY, "force: 50 mN", "force: 50 mV", "unit mismatch"),
-        (STUDY, "hold: 1 s", "hold: 0", "0 is not a finite number > 0 [s]"),
-        (STUDY, "device: {", "# {", "signal: needs device: amplifier"),
-    ],
-)
-def test_a_press_that_cannot_be_is_refused(text: str, old: str, new: str, words: str) -> None:
-    assert words in refusal(edited(text, old, new))
-
-
-@pytest.mark.parametrize(
     ("named", "words"),
     [
         ("bal", r"mine\.yaml: signal: study: 'bal' is unknown: .*; did you mean 'ball'\?"),
@@ -152,13 +132,3 @@ def test_a_design_of_another_study_that_cannot_be_is_refused(
     Path("other.yaml").write_text(STUDY, encoding="utf-8")  # beside it; film comes with the program
     with pytest.raises(InputError, match=words):
         pressed_study(load("mine.yaml"))
-
-
-@pytest.mark.parametrize(
-    ("factors", "words"),
-    [({}, "patch_size: missing"), ({"patch_size": 1e-3, "patch": "strip"}, "patch: 'strip' below a point has no end")],
-)
-def test_electrodes_without_an_end_are_refused(factors: dict[str, Any], words: str) -> None:
-    case = COATED | {"collector": 1}
-    with pytest.raises(solver.FactorError, match=words):
-        ContactCurves.from_case(case | factors, 1.0, body=film(case, solver.find("PZT-4")))

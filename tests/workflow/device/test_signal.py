@@ -100,7 +100,8 @@ def test_a_release_is_that_of_the_circuit_with_solved_contacts(name: str, monkey
 def test_a_ball_at_constant_speed_gives_a_current_as_v_to_three_halves_and_root_t() -> None:
     """I ~ v^1.5 t^0.5: the depth of a ball at zero volts, v t, goes with P^(2/3) (Sridhar et al. 1999)."""
     half_space = ContactCurves.from_case(BALL, 10.0)
-    stiff = 10.0 / (float(solver.solve(BALL | {"force": 10.0, "total_charge": _charge(10.0)})["depth"]) ** 1.5)
+    charge = 10.0 * float(solver.solve(BALL | {"force": 10.0})["charge_per_force"])
+    stiff = 10.0 / float(solver.solve(BALL | {"force": 10.0, "total_charge": charge})["depth"]) ** 1.5
     shunt = Circuit.of({"input_capacitance": 1e-12, "input_resistance": 1.0})
     speeds, currents = np.array([2e-7, 4e-7]), []
     times = np.linspace(0.0, 1.0, 61)
@@ -111,10 +112,6 @@ def test_a_ball_at_constant_speed_gives_a_current_as_v_to_three_halves_and_root_
     faster, slower = np.log(currents[1] / currents[0]), np.polyfit(np.log(middles[9:]), np.log(currents[0][9:]), 1)[0]
     np.testing.assert_allclose(faster / np.log(2), 1.5, atol=1e-5)
     assert slower == pytest.approx(0.5, abs=2e-4)  # chords of sqrt t at a sixtieth of the time
-
-
-def _charge(force: float) -> float:
-    return force * float(solver.solve(BALL | {"force": force})["charge_per_force"])
 
 
 def test_a_constant_force_decays_with_the_time_constant_of_its_circuit_and_film() -> None:
@@ -155,6 +152,8 @@ def test_noise_is_that_of_amplifier_and_temperature(numbers: dict[str, float], n
         (FILM | {"force": 1.0}, "force: is not the case's"),
         (FILM | {"electric": "insulating"}, "does not conduct"),
         ({"profile": "sphere", "material": "steel", "radius": 5e-3}, "makes no charge"),
+        (FILM | {"collector": 1}, "patch_size: missing; an electrode that is read as a whole has no end"),
+        (FILM | {"collector": 1, "patch_size": 1e-3, "patch": "strip"}, "patch: 'strip' below a point has no end"),
     ],
 )
 def test_contacts_without_a_signal_are_refused(case: dict[str, Any], words: str) -> None:

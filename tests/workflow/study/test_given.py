@@ -35,18 +35,6 @@ def test_a_unit_says_what_a_bare_number_of_si_says() -> None:
     assert other.design["mine"].variables["radius"].low == 0.02
 
 
-@pytest.mark.parametrize(
-    ("entries", "message"),
-    [
-        ({"low": "20 V"}, "factors: radius: low: '20 V': unit mismatch: 'V' does not measure what 'm' measures"),
-        ({"low": "20e mm"}, "radius: low: '20e mm' is not a finite number [m], nor one with its unit"),
-        ({"off": "1 V"}, "tolerance: radius: unit mismatch: '1 V' for a number in m"),
-    ],
-)
-def test_a_text_that_is_no_number_of_the_factor_is_refused(entries: dict[str, str], message: str) -> None:
-    assert message in refusal(STUDY.format(**(BARE | entries)))
-
-
 POINT = """
 title: a ball
 fixed: {{material: PZT-4, profile: sphere, radius: {radius}, surroundings: insulated}}
@@ -56,25 +44,28 @@ validation: {{cases: 20, calibration: 40}}
 BALL = {"radius": "0.01", "low": "1.0", "high": "2.0"}
 
 
+USUAL = {STUDY: BARE, POINT: BALL}
+
+
 @pytest.mark.parametrize(
-    ("entries", "message"),
+    ("study", "entries", "message"),
     [
-        (
-            {"radius": "0.01, friction: 20"},
-            "fixed: friction: 20 is 2000 %; did you mean 20 %? '2000 %' is read as it stands",
-        ),
-        ({"radius": "20"}, "fixed: radius: 20 is 20 m; did you mean 20 mm? '20 m' is read as it stands"),
-        ({"radius": "20 m"}, ""),
-        ({"high": "5e9"}, "factors: force: high: 5e+09 is 5e+09 N; did you mean 5e+09 mN?"),
-        ({"high": "5 GN", "low": "1 GN"}, ""),
-        (
-            {"radius": "0.01, punch_modulus: 200, punch_poisson: 0.3"},
-            "punch_modulus: 200 is 200 Pa; did you mean 200 GPa?",
-        ),
+        (STUDY, {"low": "20 V"}, "factors: radius: low: '20 V': unit mismatch: 'V' does not measure what 'm' measures"),
+        (STUDY, {"low": "20e mm"}, "radius: low: '20e mm' is not a finite number [m], nor one with its unit"),
+        (STUDY, {"off": "1 V"}, "tolerance: radius: unit mismatch: '1 V' for a number in m"),
+        # bare numbers that have probably lost their unit
+        (POINT, {"radius": "0.01, friction: 20"},
+         "fixed: friction: 20 is 2000 %; did you mean 20 %? '2000 %' is read as it stands"),
+        (POINT, {"radius": "20"}, "fixed: radius: 20 is 20 m; did you mean 20 mm? '20 m' is read as it stands"),
+        (POINT, {"radius": "20 m"}, ""),
+        (POINT, {"high": "5e9"}, "factors: force: high: 5e+09 is 5e+09 N; did you mean 5e+09 mN?"),
+        (POINT, {"high": "5 GN", "low": "1 GN"}, ""),
+        (POINT, {"radius": "0.01, punch_modulus: 200, punch_poisson: 0.3"},
+         "punch_modulus: 200 is 200 Pa; did you mean 200 GPa?"),
     ],
-)
-def test_a_bare_number_that_has_probably_lost_its_unit_asks(entries: dict[str, str], message: str) -> None:
-    text = POINT.format(**(BALL | entries))
+)  # fmt: skip
+def test_a_number_that_is_none_of_its_factor_is_refused(study: str, entries: dict[str, str], message: str) -> None:
+    text = study.format(**(USUAL[study] | entries))
     assert message in refusal(text) if message else made(text)
 
 

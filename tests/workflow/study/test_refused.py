@@ -4,6 +4,7 @@ import pytest
 
 from tests.studies import edited, refusal
 from tests.workflow.dataset.test_batches import FILM as CROSSED
+from tests.workflow.device.test_pressed import STUDY as PRESSED
 from tests.workflow.study.test_films import FILM
 from tests.workflow.study.test_grouped import STUDY as GROUPED
 from tests.workflow.study.test_layered import LAYERS
@@ -95,6 +96,14 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (LAYERS, "low: 4e-5", "low: -1e-3", "factors: copper_thickness: -0.001 is not a finite number > 0 [m]"),
     (LAYERS, "{electric: grounded}", "{magnetic: insulated}",
      "interface_magnetic: 'insulated' is allowed above a rigid"),
+    # presses in time
+    (PRESSED, "signal: {design: touch,", "signal: {study: ball, design: touch,",
+     "signal: design: 'touch' is a name of this study's designs"),
+    (PRESSED, "signal: {design: touch,", "signal: {", "signal.design: missing"),
+    (PRESSED, "design: touch", "design: tuch", "signal: design: 'tuch' is not a design target; known are touch"),
+    (PRESSED, "force: 50 mN", "force: 50 mV", "unit mismatch"),
+    (PRESSED, "hold: 1 s", "hold: 0", "0 is not a finite number > 0 [s]"),
+    (PRESSED, "device: {", "# {", "signal: needs device: amplifier"),
     # parts of a factorial
     (CROSSED, "0.55, levels: 3}", "0.55}",
      "factors: volume_fraction: levels are missing; surrogate: method: cross needs"),

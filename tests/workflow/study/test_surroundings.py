@@ -2,6 +2,7 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from solver import solve
 from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR, POINT_FILM_IN_AIR
 from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from storage.netcdf import read_whole
-from tests.studies import made, refusal
+from tests.studies import edited, made, refusal
 from workflow.dataset import slabs
 from workflow.dataset.effects import effect
 from workflow.design.search import targets
@@ -91,16 +92,8 @@ factors:
   thickness: {low: 2e-4, high: 4e-4, scale: log}
 groups:
   load * radius / thickness^2: {levels: 3}
+  radius / thickness: {levels: 3}
 """
-
-
-def test_groups_tell_how_wide_the_gap_is() -> None:
-    """Cases of one size are similar, but equally strong pressing does not fix the vacuum in the gap."""
-    assert re.search(r"is in no group.*make radius / thickness a group", refusal(GROUPS))
-    study = made(GROUPS + "  radius / thickness: {levels: 3}\n")
-    assert study.cases == 9
-
-
 BALL = """\
 title: A ball on a film in air, by groups
 fixed: {material: PZT-4, profile: sphere, magnetic: insulating, surroundings: air, base: rigid}
@@ -114,15 +107,21 @@ groups:
 """
 
 
-def test_a_ball_in_air_has_groups_and_figures_of_its_own() -> None:
+@pytest.mark.parametrize(("text", "levels"), [(GROUPS, 3), (BALL, 2)])
+def test_groups_tell_how_wide_the_gap_is(text: str, levels: int) -> None:
+    """Cases of one size are similar, but equally strong pressing does not fix the vacuum in the gap."""
+    untold = edited(text, f"  radius / thickness: {{levels: {levels}}}\n", "")
+    assert re.search(r"is in no group.*make radius / thickness a group", refusal(untold))
+    assert made(text).cases == levels**2
+
+
+def test_a_ball_in_air_has_figures_of_its_own() -> None:
     ball = made(BALL)
     assert ball.kind is POINT_FILM_IN_AIR
     assert not ball.stores_fields
     assert {*POINT_GAP_QUANTITIES} <= {*ball.quantities}
     assert ball.meeting == "point in air"
     assert "capacitance_at_force" in grammar.parse("circuit_capacitance", ball.meeting).names()
-    message = refusal(BALL.replace("  radius / thickness: {levels: 2}\n", ""))
-    assert re.search(r"is in no group.*make radius / thickness a group", message)
 
 
 BOX = {
@@ -138,7 +137,11 @@ def settled(*, fixed: dict[str, object] | None = None, **sections: object) -> Co
     axes = {"thickness": {"low": 1e-4, "high": 2e-4, "levels": 2}, "load": {"low": 1e4, "high": 2e4, "levels": 2}}
     usual = {"material": "PZT-4", "base": "steel", "interface_electric": "grounded", **(fixed or {})}
     held = usual if "groups" in sections else {"radius": 0.05, **usual}
-    content = {"title": "A film", "fixed": held, "factors": axes, "device": DEVICE, **sections}
+    return read({"title": "A film", "fixed": held, "factors": axes, "device": DEVICE, **sections})
+
+
+def read(content: dict[str, object]) -> Contents:
+    """A study of sections, with its surroundings."""
     study = Contents.model_validate(content, context=Origin(Path(), {}))
     defaults.surround(study)
     return study
@@ -153,9 +156,7 @@ def test_a_device_is_in_air_unless_it_says_otherwise() -> None:
     assert (said.surroundings, said.defaults) == (["insulated"], ())
     assert settled(device=None).surroundings == ["air"]
     axes = {"load": {"low": 1e4, "high": 2e4, "levels": 2}}
-    content = {"title": "A half-plane", "fixed": {"material": "PZT-4", "radius": 0.05}, "factors": axes}
-    bare = Contents.model_validate(content, context=Origin(Path(), {}))
-    defaults.surround(bare)
+    bare = read({"title": "A half-plane", "fixed": {"material": "PZT-4", "radius": 0.05}, "factors": axes})
     assert (bare.surroundings, bare.defaults, bare.meeting) == (["insulated"], (), "line")
 
 
@@ -177,36 +178,32 @@ def test_what_air_does_not_have_leaves_a_device_insulated(sections: dict[str, di
     assert why in study.defaults[0]
 
 
-def test_a_device_is_pressed_by_steel_unless_it_says_otherwise() -> None:
-    study = settled()
-    defaults.press(study)
-    assert study.fixed["punch"] == "steel"
-    assert study.elastic
-    assert study.defaults[-1].startswith("punch: steel, the default of a study with a device")
-
-
 @pytest.mark.parametrize(
-    "fixed", [{"punch": "rigid"}, {"punch": "brass"}, {"punch_modulus": 7e10, "punch_poisson": 0.3}]
-)
-def test_what_a_study_says_stays(fixed: dict[str, object]) -> None:
-    study = settled(fixed=fixed)
+    ("sections", "punch", "said"),
+    [
+        ({}, "steel", "punch: steel, the default of a study with a device"),
+        ({"fixed": {"punch": "rigid"}}, "rigid", ""),
+        ({"fixed": {"punch": "brass"}}, "brass", ""),
+        ({"fixed": {"punch_modulus": 7e10, "punch_poisson": 0.3}}, None, ""),
+        ({"device": None}, None, ""),
+        (
+            {
+                "factors": BOX, "groups": {"load * radius / thickness^2": {"levels": 3}},
+                "surrogate": {"outputs": ["depth", "voltage"]},
+            }, None, "punch: rigid, since its groups do not tell what one of steel makes of its surrogate.outputs",
+        ),
+    ],
+)  # fmt: skip
+def test_a_device_is_pressed_by_steel_unless_it_or_its_groups_say_otherwise(
+    sections: dict[str, Any], punch: str | None, said: str
+) -> None:
+    study = settled(**sections)
     defaults.press(study)
-    assert {name: study.fixed[name] for name in fixed} == fixed
-    assert not any(line.startswith("punch") for line in study.defaults)
-    bare = settled(device=None)
-    defaults.press(bare)
-    assert "punch" not in bare.fixed
-
-
-def test_groups_that_have_no_place_for_it_leave_it_rigid() -> None:
-    groups = {"load * radius / thickness^2": {"levels": 3}}
-    study = settled(factors=BOX, groups=groups, surrogate={"outputs": ["depth", "voltage"]})
-    defaults.press(study)
-    assert "punch" not in study.fixed
-    assert (
-        study.defaults[-1]
-        == "punch: rigid, since its groups do not tell what one of steel makes of its surrogate.outputs"
-    )
+    assert study.fixed.get("punch") == punch
+    assert study.elastic == (punch in ("steel", "brass") or "punch_modulus" in study.fixed)
+    line = next((line for line in study.defaults if line.startswith("punch")), "")
+    assert line.startswith(said)
+    assert bool(line) == bool(said)
 
 
 DESIGNED = """\

@@ -27,7 +27,8 @@ _LEAST = 9  # designs of a front
 _BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
 _BATCH_FILMS = 3  # every one with tables of its own
 _SPREAD = 5  # of them spread over all scenarios, which show how far the surrogate errs alike
-_SAFETY = 3e-7  # relative safety margin: near a kink a shifted limit leaves 0.14 of what the shift corrects
+#: Relative safety margin that a polish keeps from the limits: near a kink a shifted limit leaves 0.14 of its shift.
+SAFETY = 3e-7
 
 
 def names(question: Question, term: Term) -> list[str]:
@@ -66,11 +67,6 @@ def affordable(question: Question) -> Source:
     if not asked(question):
         return question.exact
     return _Hybrid(question.exact, question.predicted, question.study.costly)
-
-
-def safety(question: Question, usual: float) -> float:
-    """Safety margin that a polish keeps from the limits, relative; more where the surrogate leads it."""
-    return _SAFETY if asked(question) else usual
 
 
 def words(question: Question, cases: int, moved: bool) -> str:
@@ -119,7 +115,9 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
             return value, int(solved.sum())
         most = max(room, int(decides.sum())) if films else chosen.count
         order = np.where(decides, -1.0, distances)
-        batch = _batch(missing, solved, order, _BATCH_FILMS if films else _BATCH)[:most]
+        # the nearest first: what is missing, and as many others as make a batch worth its price
+        nearest = np.argsort(np.where(solved, np.inf, order), kind="stable")[: int((~solved).sum())]
+        batch = nearest[: max(_BATCH_FILMS if films else _BATCH, int(missing.sum()))][:most]
         if films and not solved.any() and values.shape[2] == 1:
             batch = np.union1d(batch, np.linspace(0, chosen.count - 1, _SPREAD).astype(int))
         exact = _solve(design, chosen, batch, [term])[0][0]
@@ -136,12 +134,6 @@ def _errors(values: Array, predicted: Array, solved: Bools) -> tuple[Array, floa
     off = np.where(solved, values - predicted, 0.0)
     mean = np.broadcast_to(off.sum(0) / np.maximum(solved.sum(0), 1), off.shape)
     return mean, float(np.abs(np.where(solved, off - mean, 0.0)).max())
-
-
-def _batch(missing: Bools, solved: Bools, distances: Array, least: int) -> Indices:
-    """Scenarios to solve next, the nearest first: what is missing, and up to ``least`` others."""
-    order = np.argsort(np.where(solved, np.inf, distances), kind="stable")
-    return order[: min(max(least, int(missing.sum())), int((~solved).sum()))]
 
 
 def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indices]]:

@@ -13,7 +13,7 @@ from solver import units
 from workflow.design.question.question import Question
 from workflow.design.question.risk import RelativeDeviation, Term, WorstCase
 from workflow.design.question.sources import Exact, Predicted
-from workflow.language.expressions import Call, Expression, Number, Operation, Power
+from workflow.language.expressions import Expression, Number, Operation
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
@@ -82,13 +82,12 @@ def _pilot(d: int, scenarios: int) -> Array:
 def _divisors(expression: Expression) -> list[Expression]:
     """Divisors, negative powers and arguments of logarithms in an expression, wherever they hold a name."""
     inner: list[Expression] = []
-    for node in expression.walk():
-        if isinstance(node, Operation) and node.symbol == "/":
-            inner.append(node.right)
-        elif isinstance(node, Power) and node.exponent < 0:
-            inner.append(node.base)
-        elif isinstance(node, Call) and node.function == "log":
-            inner.append(node.arguments[0])
+    for node in (node for node in expression.walk() if isinstance(node, Operation)):
+        first, last = node.parts[0], node.parts[-1]
+        if node.symbol == "/":
+            inner.append(last)
+        elif node.symbol == "log" or (node.symbol == "^" and isinstance(last, Number) and last.value < 0):
+            inner.append(first)
     return [node for node in inner if node.names()]
 
 
@@ -98,7 +97,7 @@ def smooth_pieces(
     """Smooth expressions whose least, times `sign`, is the expression times `sign`: gradients stop at kinks."""
     whole = sign * expression.evaluate(known)
     room = _ROUNDING * np.abs(whole).max()
-    for kink in dict.fromkeys(node for node in expression.walk() if isinstance(node, Call)):
+    for kink in dict.fromkeys(node for node in expression.walk() if isinstance(node, Operation)):
         parts = [_swapped(expression, kink, branch) for branch in _branches(kink)]
         if not 1 < len(parts) <= most:
             continue
@@ -109,11 +108,11 @@ def smooth_pieces(
     return [expression]
 
 
-def _branches(kink: Call) -> list[Expression]:
+def _branches(kink: Operation) -> list[Expression]:
     """Smooth branches of a node, none for a function that is smooth."""
-    if kink.function == "abs":
-        return [kink.arguments[0], Operation("*", Number(-1.0), kink.arguments[0])]
-    return list(kink.arguments) if kink.function in ("min", "max") else []
+    if kink.symbol == "abs":
+        return [kink.parts[0], Operation("*", (Number(-1.0), kink.parts[0]))]
+    return list(kink.parts) if kink.symbol in ("min", "max") else []
 
 
 def _swapped(tree: Expression, node: Expression, other: Expression) -> Expression:
@@ -121,11 +120,7 @@ def _swapped(tree: Expression, node: Expression, other: Expression) -> Expressio
     if tree == node:
         return other
     if isinstance(tree, Operation):
-        return replace(tree, left=_swapped(tree.left, node, other), right=_swapped(tree.right, node, other))
-    if isinstance(tree, Power):
-        return replace(tree, base=_swapped(tree.base, node, other))
-    if isinstance(tree, Call):
-        return replace(tree, arguments=tuple(_swapped(argument, node, other) for argument in tree.arguments))
+        return replace(tree, parts=tuple(_swapped(part, node, other) for part in tree.parts))
     return tree
 
 

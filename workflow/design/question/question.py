@@ -49,15 +49,12 @@ class Question:
             name: np.clip(axis.from_unit(x[:, column]), axis.low, axis.high)
             for column, (name, axis) in enumerate(self.inputs.items())
         }
-        return self._considering(x, values)
+        return self.at_variables(values, x)
 
-    def at_variables(self, variables: dict[str, Array]) -> "Question":
-        """The question at designs of physical variables, (design,) each, SI; they may lie outside the ranges."""
-        return self._considering(np.empty((0, 0)), variables)
-
-    def _considering(self, x: Array, variables: dict[str, Array]) -> "Question":
+    def at_variables(self, variables: dict[str, Array], x: Array | None = None) -> "Question":
+        """The question at designs of physical variables, (design,) each, SI, which may lie outside the ranges."""
         other = copy.copy(self)  # with what is cached: neither terms nor scenarios depend on designs
-        object.__setattr__(other, "x", x)
+        object.__setattr__(other, "x", np.empty((0, 0)) if x is None else x)
         object.__setattr__(other, "variables", variables)
         return other
 
@@ -267,30 +264,21 @@ class Question:
     def _chain_rule(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term]) -> list[Array]:
         """Jacobians of the rows by the chain rule: scenarios, then names, then scaled variables."""
         design = self.at(x)
-        known, slopes = design._known_slopes(source, chosen, terms)
+        factors = design.factors(chosen)
+        known = design.known(source, factors, [term.expression for term in terms])
+        slopes = source.slopes(factors, [name for name in known if name in ALL_QUANTITIES], list(design.variables))
+        for name in known.keys() - slopes:
+            slopes[name] = np.tile([float(name == variable) for variable in design.variables], (chosen.count, 1))
         scaling = design.physical_per_scaled()
         jacobians = []
         for term in terms:
-            value, partials = term.expression.partials(known)
+            value, partials = term.expression.partials({name: values[0] for name, values in known.items()})
             slope = np.zeros((chosen.count, len(x)))
             for name, derivative in partials.items():
                 slope += np.broadcast_to(derivative, chosen.count)[:, None] * slopes[name] * scaling
             values = np.broadcast_to(value, chosen.count).reshape(chosen.groups, chosen.draws)
             jacobians.append(term.measure.jacobian(values) @ slope)
         return jacobians
-
-    def _known_slopes(
-        self, source: Source, chosen: Scenarios, terms: list[Term]
-    ) -> tuple[dict[str, Array], dict[str, Array]]:
-        """All names in some terms at one design: values (scenarios,), and derivatives by the variables."""
-        factors = self.factors(chosen)
-        known = self.known(source, factors, [term.expression for term in terms])
-        learned = [name for name in known if name in ALL_QUANTITIES]
-        slopes = source.slopes(factors, learned, list(self.variables))
-        for name in (name for name in known if name not in learned):
-            unit = [float(name == variable) for variable in self.variables]
-            slopes[name] = np.broadcast_to(unit, (chosen.count, len(unit)))
-        return {name: values[0] for name, values in known.items()}, slopes
 
     def _quotients(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term]) -> list[Array]:
         """Jacobians of the rows by difference quotients, central where the range allows."""

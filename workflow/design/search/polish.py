@@ -169,7 +169,7 @@ def _polish(candidate: Candidate) -> Candidate:
 def _shifted(candidate: Candidate) -> Candidate:
     """The best of the designs that keep the limits, each polished with these shifted by what the last one missed."""
     question, source = candidate.question, costly.affordable(candidate.question)
-    usual = costly.safety(question, _SAFETY) * question.inequality
+    usual = (costly.SAFETY if costly.asked(question) else _SAFETY) * question.inequality
     rounds = _ROUNDS if question.inputs else 0
     first = candidate.counted(source)
     current, last, safety, spent = first, None, np.zeros(len(question.inequality)), 0

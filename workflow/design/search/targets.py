@@ -163,7 +163,7 @@ def _candidates(study: Study, name: str, target: Target, model: GaussianProcess)
 
 def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> Tolerated:
     """Cost of the tolerances of the best design."""
-    nominal = without_tolerances(target)
+    nominal = target.model_copy(update={"tolerance": {}})
     if costly.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = near(best, _asked(study, name, nominal, model, best.choice))
     else:
@@ -194,8 +194,9 @@ def _asked(
 
 def _climbed(candidate: Candidate) -> Candidate:
     question, predicted = candidate.question, candidate.question.predicted
-    if not question.inputs:
-        return replace(candidate, best=_only(candidate.problem(costly.affordable(candidate.question))))
+    if not question.inputs:  # one design, which the solver counts
+        only = candidate.counted(costly.affordable(question))
+        return replace(only, best=replace(only.best, feasible=bool(np.all(only.best.excess <= ROUNDING))))
     if candidate.front is not None:
         first = replace(candidate, best=best_of(candidate.front, candidate.problem(predicted)))
     else:
@@ -234,17 +235,6 @@ def _choices(best: Candidate, candidates: list[Candidate], sign: float) -> tuple
         )
         for candidate in several
     )
-
-
-def _only(problem: Problem) -> Optimum:
-    """The one design of a question without continuous variables."""
-    objective, excess = (rows[0] for rows in problem.value(np.empty((1, 0))))
-    return Optimum(np.empty(0), float(objective.min()), excess, bool(np.all(excess <= ROUNDING)))
-
-
-def without_tolerances(target: Target) -> Target:
-    """The target without any tolerance."""
-    return target.model_copy(update={"tolerance": {}})
 
 
 def costs(best: Candidate, without: Candidate) -> Tolerated:

@@ -118,20 +118,17 @@ class End(StrEnum):
     @classmethod
     def of(cls, *, upper: bool, studied: bool) -> "End":
         """The end of that side and range."""
-        if upper:
-            return cls.UPPER if studied else cls.UPPER_ASKED
-        return cls.LOWER if studied else cls.LOWER_ASKED
+        return cls(f"{'upper' if upper else 'lower'} end of the {'studied range' if studied else 'range asked for'}")
 
     @property
     def outward(self) -> float:
         """1 at an upper end, -1 at a lower one."""
-        return 1.0 if self in (End.UPPER, End.UPPER_ASKED) else -1.0
+        return 1.0 if self.startswith("upper") else -1.0
 
     @property
     def words(self) -> str:
         """The end in a sentence about its variable."""
-        range_words = " of the range asked for" if self in (End.UPPER_ASKED, End.LOWER_ASKED) else " of its range"
-        return f"the {'upper' if self.outward > 0 else 'lower'} end{range_words}"
+        return f"the {self.replace('the studied range', 'its range')}"
 
 
 @dataclass(frozen=True)

@@ -343,9 +343,7 @@ def _tells(study: Study, term: Term) -> bool:
 
 def _case_values(design: Question, study: Study, terms: Sequence[Term], cases: Sequence[Mapping[str, float]]) -> Array:
     """Each term in its own case, with the constants of a study; (terms,)."""
-    distinct = [case for place, case in enumerate(cases) if case not in cases[:place]]  # one often decides several
-    factors = {name: np.array([[case[name]] for case in distinct]) for name in (distinct[0] if distinct else {})}
+    factors = {name: np.array([[case[name]] for case in cases]) for name in (cases[0] if cases else {})}
     known = design.known(Exact(study), factors, [term.expression for term in terms])
-    places = [distinct.index(case) for case in cases]
-    values = [np.broadcast_to(term.expression.evaluate(known), (len(distinct), 1)) for term in terms]
-    return np.array([rows[place, 0] for place, rows in zip(places, values, strict=True)])
+    values = [np.broadcast_to(term.expression.evaluate(known), (len(cases), 1)) for term in terms]
+    return np.array([rows[place, 0] for place, rows in enumerate(values)])

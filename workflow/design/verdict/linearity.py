@@ -1,7 +1,6 @@
 """Limits of linear theory at a design: known limits of its materials, and small strain."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,38 +11,12 @@ from workflow.language import titles
 from workflow.language.constants import ALLOWABLES, of_the_base, plain
 from workflow.language.numbers import shown
 from workflow.language.statements import Limit
-from workflow.study.allowable import Allowable
 from workflow.study.model import Study
 
 _CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
 _FIELDS = ("coercive_field", "breakdown_field")
 _MOST_DIGITS = 9
 _SMALL = "strains are small only up to there"
-
-
-@dataclass(frozen=True)
-class Bound:
-    """A quantity in words, its largest value, and what bounds it, by its name and whose it is."""
-
-    name: str
-    words: str
-    size: float
-    allowable: Allowable
-
-    @property
-    def units(self) -> str:
-        """Unit of quantity and limit."""
-        return ALLOWABLES[self.name].units
-
-    @property
-    def share(self) -> float:
-        """Quantity over its limit."""
-        return self.size / self.allowable.value
-
-    @property
-    def at_most(self) -> str:
-        """The limit in words."""
-        return f"{titles.title(self.name)} of {self.allowable.material}, {shown(self.allowable.value, self.units, 3)}"
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
@@ -56,18 +29,21 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
     """Exceeded limits of a design's materials: each in words with both numbers, and the source of the limit."""
-    bounds = _bounds(study, corner, below)
-    lines = [
-        (
-            f"{bounded.words} of {_above(bounded.size, bounded.allowable.value, bounded.units, 3)} "
-            f"exceeds the {bounded.at_most}",
-            bounded.allowable.source,
-        )
-        for bounded in bounds
-        if bounded.share > 1
-    ]
+    lines, knows_field = [], False
+    for name, described in ALLOWABLES.items():
+        try:
+            allowable = study.allowable(name)
+        except ValueError:
+            continue
+        knows_field |= name in _FIELDS
+        at_most = f"{titles.title(name)} of {allowable.material}, {shown(allowable.value, described.units, 3)}"
+        for quantity in _bounded(name):
+            words, size = _largest(quantity, corner, study.kind.ends, below)
+            if size > allowable.value:
+                value = _above(size, allowable.value, described.units, 3)
+                lines.append((f"{words} of {value} exceeds the {at_most}", allowable.source))
     words, size = _largest("nominal_field", corner, study.kind.ends, below)
-    if {bounded.name for bounded in bounds}.isdisjoint(_FIELDS) and size > _CERAMIC_FIELD:
+    if not knows_field and size > _CERAMIC_FIELD:
         usual = f"{shown(_CERAMIC_FIELD, 'V m-1', 3)}, beyond which ferroelectric ceramics are not linear"
         unknown = "the library has no coercive or breakdown field of the material"
         lines.append((f"{words} of {shown(size, 'V m-1', 3)} exceeds {usual}", unknown))
@@ -97,20 +73,6 @@ def _above(size: float, most: float, units: str = "1", digits: int = 2) -> str:
     while digits < _MOST_DIGITS and shown(size, units, digits) == shown(most, units, digits):
         digits += 1
     return shown(size, units, digits)
-
-
-def _bounds(study: Study, corner: Mapping[str, Array], below: float | None) -> list[Bound]:
-    """Every quantity that something known bounds."""
-    bounds = []
-    for name in ALLOWABLES:
-        try:
-            allowable = study.allowable(name)
-        except ValueError:
-            continue
-        for quantity in _bounded(name):
-            words, size = _largest(quantity, corner, study.kind.ends, below)
-            bounds.append(Bound(name, words, size, allowable))
-    return bounds
 
 
 def _bounded(name: str) -> list[str]:

@@ -93,12 +93,7 @@ _ROWS: dict[str, type[Any]] = {
 #: The meeting of punch and body that a file does not name.
 _USUAL: Meeting = "line"
 _SCALARS = ("overload", "overload_term")
-#: Variables that are no pictures.
-_OWN = {
-    *_TERM, *_VARIABLE, *_SENSITIVITY, *_TOLERATED, *_SCALARS, "edge", "elasticity", "worst", "effect", "spread",
-    "feasible", "status", "beyond", "flags", "nominal_exact", "nominal_choice",
-    *(field.name for row in _ROWS.values() for field in fields(row)),
-}  # fmt: skip
+_PICTURED = ("map_", "slice_", "front_", "field_", "inside_")  # first letters of what only pictures need
 
 
 def dataset(answer: Answer) -> xr.Dataset:
@@ -123,11 +118,10 @@ def dataset(answer: Answer) -> xr.Dataset:
             data[key] = ("factor", [getattr(tolerated, name).get(factor, np.nan) for factor in names])
         data |= {"nominal_exact": tolerated.exact, "nominal_choice": tolerated.choice}
     for rows in filter(None, (getattr(answer, key) for key in _ROWS)):
-        (dimension, labels), *columns = _columns(rows)
-        coords[dimension] = labels
-        data |= {key: (dimension, values) for key, values in columns}
-    stored = xr.Dataset({key: _plain(value) for key, value in data.items()}, coords)
-    out = xr.merge([stored, answer.pictures], compat="no_conflicts", join="outer")
+        dimension, *keys = [field.name for field in fields(rows[0])]
+        coords[dimension] = [getattr(row, dimension) for row in rows]
+        data |= {key: (dimension, [getattr(row, key) for row in rows]) for key in keys}
+    out = xr.merge([xr.Dataset(data, coords), answer.pictures], compat="no_conflicts", join="outer")
     out.attrs = {
         "title": f"design target {answer.target}",
         "goal": answer.goal,
@@ -141,29 +135,13 @@ def dataset(answer: Answer) -> xr.Dataset:
     return out if meeting == _USUAL else out.assign_attrs(meeting=meeting)
 
 
-def _columns(rows: Sequence[Any]) -> list[tuple[str, list[Any]]]:
-    """Names of the fields of rows of one type, with a value a row."""
-    return [(field.name, [getattr(row, field.name) for row in rows]) for field in fields(rows[0])]
-
-
-def _plain(value: Any) -> Any:
-    """Texts as plain texts, which their own types are to Python but not to netCDF."""
-    if isinstance(value, tuple) and value[1] and isinstance(value[1][0], str):
-        return value[0], [str(text) for text in value[1]]
-    return value
-
-
 def answer_of(data: xr.Dataset) -> Answer:
     """The answer that a data set of `dataset` holds."""
-    names, numbers = _list(data, "factor"), _rows(data, _TERM)
+    names, numbers = _list(data, "factor"), [_list(data, key) for key in _TERM]
     cases = [dict(zip(names, case, strict=True)) for case in _list(data, "worst", "term", "factor")]
-    effects = _list(data, "effect", "term", "constant") or [()] * len(numbers)
-    spreads = _list(data, "spread") or [np.nan] * len(numbers)
-    others: list[tuple[Any, ...]] = list(zip(cases, map(tuple, effects), spreads, strict=True))
-    terms = [
-        Term(statement, *values, *other_values)
-        for statement, values, other_values in zip(_stated(data), numbers, others, strict=True)
-    ]
+    effects = [tuple(effect) for effect in _list(data, "effect", "term", "constant")] or [()] * len(cases)
+    spreads = _list(data, "spread") or [np.nan] * len(cases)
+    terms = itertools.starmap(Term, zip(_stated(data), *numbers, cases, effects, spreads, strict=True))
     slopes, errors = _list(data, "elasticity", "factor", "term"), _rows(data, _SENSITIVITY)
     sensitivities = [Sensitivity(tuple(slope), *error) for slope, error in zip(slopes, errors, strict=True)]
     variables = [
@@ -172,18 +150,21 @@ def answer_of(data: xr.Dataset) -> Answer:
             names, sensitivities, _rows(data, (*_VARIABLE, "edge")), strict=True
         )
     ]
-    fields: dict[str, Any] = {key: tuple(members(data, row)) for key, row in _ROWS.items()}
-    fields |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
+    contents: dict[str, Any] = {
+        key: tuple(itertools.starmap(row, _rows(data, [field.name for field in fields(row)])))
+        for key, row in _ROWS.items()
+    }
+    contents |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
     # a file says it within both others
-    fields["exceeded"] = tuple(part for part in fields["flags"].split("; ") if f"{part} (" in fields["beyond"])
-    fields |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
+    contents["exceeded"] = tuple(part for part in contents["flags"].split("; ") if f"{part} (" in contents["beyond"])
+    contents |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
     return Answer(
         tuple(terms),
         tuple(variables),
         overload=Overload(*(data[key].item() for key in _SCALARS)) if set(_SCALARS) <= set(data) else None,
         tolerated=_tolerated(data),
-        pictures=data.drop_vars([name for name in data.data_vars if name in _OWN]).drop_attrs(deep=False),
-        **fields,
+        pictures=data[[name for name in data.data_vars if str(name).startswith(_PICTURED)]].drop_attrs(deep=False),
+        **contents,
     )
 
 
@@ -209,15 +190,8 @@ def _tolerated(data: xr.Dataset) -> Tolerated | None:
     return Tolerated(cost, gain, values, data["nominal_exact"].item(), str(data["nominal_choice"].item()))
 
 
-def members(data: xr.Dataset, row: type[Any]) -> Iterator[Any]:
-    """Rows of one type; none where the data set has no such dimension."""
-    keys = [field.name for field in fields(row)]
-    if keys[0] in data.dims:
-        yield from itertools.starmap(row, _rows(data, keys))
-
-
 def _rows(data: xr.Dataset, keys: Sequence[str]) -> list[tuple[Any, ...]]:
-    """Values of some variables over one dimension, a row each."""
+    """Values of some variables over one dimension, a row each; none where the variables are not there."""
     return list(zip(*(_list(data, key) for key in keys), strict=True))
 
 

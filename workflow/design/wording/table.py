@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
@@ -148,22 +148,16 @@ def outcome(folder: Path, targets: Sequence[str]) -> list[str]:
     """Lines of a table with the design and verdict of each target of a run; none without targets."""
     if not targets:
         return []
-    answers = {name: netcdf.read(folder / "design" / f"{name}.nc") for name in targets}
-    rows = [_HEAD, *_outcomes(answers)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    for place, answer in reversed(list(enumerate(answers.values(), 1))):
-        lines.insert(place + 1, f"{'':{widths[0]}}  {verdict(answer).why}")
-    return lines
-
-
-def _outcomes(answers: Mapping[str, Answer]) -> list[tuple[str, str, str, str]]:
-    """Target, verdict, goal and variables of every design."""
-    rows = []
-    for name, answer in answers.items():
-        goal = answer.terms[0]
+    rows, reasons = [_HEAD], [""]
+    for name in targets:
+        answer = netcdf.read(folder / "design" / f"{name}.nc")
+        goal, judged = answer.terms[0], verdict(answer)
         parts = [category.kind for category in answer.categories if category.kind_role == "variable"]
         parts += [f"{variable.title} {variable.words}" for variable in answer.variables if variable.chosen]
-        value = shown(goal.exact, goal.units, 3)
-        rows.append((name, verdict(answer).kind, f"{goal.title} {value}", ", ".join(parts)))
-    return rows
+        rows.append((name, judged.kind, f"{goal.title} {shown(goal.exact, goal.units, 3)}", ", ".join(parts)))
+        reasons.append(judged.why)
+    widths, lines = [max(map(len, column)) for column in zip(*rows, strict=True)], []
+    for row, why in zip(rows, reasons, strict=True):
+        lines.append("  ".join(map(str.ljust, row, widths)).rstrip())
+        lines += [f"{'':{widths[0]}}  {why}"] if why else []
+    return lines

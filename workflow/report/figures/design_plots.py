@@ -27,6 +27,7 @@ from workflow.report.figures.style import (
     factor_scale,
     field_label,
     logarithmic,
+    panels,
     styled,
     ticked,
 )
@@ -74,14 +75,12 @@ def _slices(answer: Answer) -> Figure:
     """The first objective along each variable through the design: as it counts, and its band over the scenarios."""
     slices = answer.pictures
     names = [str(name) for name in slices["slice"].values]
-    figure, axes = plt.subplots(
-        1, len(names), figsize=(max(2.6 * len(names) + 0.6, 4.6), 3.0), squeeze=False, sharey=True
-    )
+    figure, axes = panels(len(names), len(names), max(2.6 * len(names) + 0.6, 4.6), 3.0, sharey=True)
     size, words = _objective(answer)
     lowest, highest = float(slices["slice_low"].min()) / size, float(slices["slice_high"].max()) / size
     pad = 0.05 * (highest - lowest)
     ends = (lowest - pad, highest + pad)
-    for ax, name in zip(axes.flat, names, strict=True):
+    for ax, name in zip(axes, names, strict=True):
         line = slices.sel(slice=name)
         width = factor_scale(name, line["slice_value"].values)[0]
         x, excess = line["slice_value"].values / width, line["slice_excess"].values
@@ -98,8 +97,8 @@ def _slices(answer: Answer) -> Figure:
                 label=f"{_star(answer)}, exact")  # fmt: skip
         ax.set_ylim(ends)
         _factor_axis(ax, "x", name, line["slice_value"].values)
-    axes[0, 0].set_ylabel(words)
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
+    axes[0].set_ylabel(words)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return figure
 
 
@@ -162,14 +161,8 @@ def _front(answer: Answer) -> Figure:
             # a line would join what another choice lies between
             style = "o-" if len(names) == 2 and of_choice.all() else "o"
             words = f"front, exact: {choice}" if choice else "front, exact"
-            ax.plot(
-                *(column[of_choice] for column in columns),
-                style,
-                ms=2.5,
-                lw=1,
-                color=DISTINCT[k % len(DISTINCT)],
-                label=words,
-            )
+            x, y = (column[of_choice] for column in columns)
+            ax.plot(x, y, style, ms=2.5, lw=1, color=DISTINCT[k % len(DISTINCT)], label=words)
         ax.plot(*best, "*", ms=15, mfc=ORANGE, mec=INK, mew=0.6, label=_star(answer, "compromise"))
         ax.set_xlabel(labels[0])
         ax.set_ylabel(labels[1])
@@ -177,12 +170,7 @@ def _front(answer: Answer) -> Figure:
     return figure
 
 
-_DRAWN: dict[str, Callable[[Answer], Figure]] = {
-    "map": _map,
-    "slices": _slices,
-    "contact": _contact,
-    "front": _front,
-}
+_DRAWN: dict[str, Callable[[Answer], Figure]] = {"map": _map, "slices": _slices, "contact": _contact, "front": _front}
 
 
 def _star(answer: Answer, kind: str = "design") -> str:

@@ -1,6 +1,7 @@
 """Figures of the report: exact fields along the surface and below the punch, while one factor varies."""
 
 from collections.abc import Collection, Sequence
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -114,6 +115,11 @@ def _field_panels(
     # the half-plane beside films
     styles = ["--" if text == HALF_PLANE.name else "-" for text in texts]
     colours[[style == "--" for style in styles]] = to_rgba(INK)
+    # the page's script tells the id of every part
+    looks = [
+        {"color": colour, "ls": style, "lw": 1.4, "gid": text}
+        for colour, style, text in zip(colours, styles, texts, strict=True)
+    ]
     line = "stress_xx" in data
     names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data and data[name].any()]  # not what is 0
     figure, axes = panels(len(names) + (lengths is not None), _ACROSS, 10.5, 2.8)
@@ -125,19 +131,11 @@ def _field_panels(
         regular = shown & (np.abs(np.abs(X) - 1) > NEAR_EDGE)
         size, label = field_label(data[name], float(np.abs(curves[:, regular]).max()), _SYMBOLS.get(name, ""), _WIDE)
         curves = curves / size
-        for curve, text, colour, style in zip(curves, texts, colours, styles, strict=True):
+        for curve, look in zip(curves, looks, strict=True):
             for part in (X < -1, np.abs(X) < 1, X > 1):  # no line across an edge
                 use = part & shown
                 if use.any():
-                    ax.plot(
-                        X[use],
-                        curve[use],
-                        color=colour,
-                        ls=style,
-                        lw=1.4,
-                        gid=text,  # which the page's script tells of every part
-                        label=text if part[X.size // 2] else None,
-                    )
+                    ax.plot(X[use], curve[use], **look, label=look["gid"] if part[X.size // 2] else None)
         ax.set_ylabel(label)
         _bounded(ax, curves[:, regular])
         for edge in (-1, 1):
@@ -145,7 +143,7 @@ def _field_panels(
         if not inside_only:
             ax.set_xlim(-3, 3)
     if lengths is not None:
-        _over_lengths(axes[-1], data["contact_pressure"], lengths, varied, [*zip(texts, colours, styles, strict=True)])
+        _over_lengths(axes[-1], data["contact_pressure"], lengths, varied, looks)
     for ax in axes[: len(names)][(len(names) - 1) // _ACROSS * _ACROSS :]:
         ax.set_xlabel("X = (x - c)/h   (trailing edge at X = 1)" if line else "r/a")
     handles = axes[0].get_legend_handles_labels()
@@ -154,7 +152,7 @@ def _field_panels(
 
 
 def _over_lengths(
-    ax: Axes, pressure: xr.DataArray, lengths: xr.DataArray, varied: str, looks: Sequence[tuple[str, Array, str]]
+    ax: Axes, pressure: xr.DataArray, lengths: xr.DataArray, varied: str, looks: Sequence[dict[str, Any]]
 ) -> None:
     """The pressure below each punch over lengths from its middle."""
     inside = np.abs(pressure["position"].values) < 1
@@ -162,8 +160,8 @@ def _over_lengths(
     curves = pressure.transpose(varied, "position").values[:, inside]
     scale, unit = prefixed(float(np.nanmax(np.abs(x))), "m", digits=2)
     size, label = field_label(pressure, float(np.nanmax(np.abs(curves))), _SYMBOLS["contact_pressure"], _WIDE)
-    for places, curve, (text, colour, style) in zip(x / scale, curves / size, looks, strict=True):
-        ax.plot(places, curve, color=colour, ls=style, lw=1.4, gid=text)
+    for places, curve, look in zip(x / scale, curves / size, looks, strict=True):
+        ax.plot(places, curve, **look)
     ax.set_xlabel(f"x [{unit}]")
     ax.set_ylabel(label)
     regular = np.abs(pressure["position"].values[inside]) < 1 - NEAR_EDGE

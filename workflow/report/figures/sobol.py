@@ -30,20 +30,14 @@ def main_effects(sensitivity: xr.Dataset, quantities: Sequence[str], of_interest
     sensitivity = sensitivity.sel(output=list(quantities))
     inputs = [str(name) for name in sensitivity["input"].values]
     shown = of_interest[:_SHOWN]
-    figure, axes = plt.subplots(
-        len(shown),
-        len(inputs),
-        figsize=(2.15 * len(inputs), 1.75 * len(shown) + 0.3),
-        sharex="col",
-        sharey="row",
-        squeeze=False,
-    )
+    size = (2.15 * len(inputs), 1.75 * len(shown) + 0.3)
+    figure, axes = plt.subplots(len(shown), len(inputs), figsize=size, sharex="col", sharey="row", squeeze=False)
     for row, output in zip(axes, shown, strict=True):
         quantity, categories = parted(output)
         output_indices = sensitivity.sel(output=output)
-        size, units = prefixed(float(np.abs(output_indices["main_effect"]).max()), output_indices["units"].item())
+        scale, units = prefixed(float(np.abs(output_indices["main_effect"]).max()), output_indices["units"].item())
         for ax, name in zip(row, inputs, strict=True):
-            _curve(ax, output_indices.sel(input=name).isel(position=slice(None, None, _EVERY)), name, size)
+            _curve(ax, output_indices.sel(input=name).isel(position=slice(None, None, _EVERY)), name, scale)
         lines = [titles.title(quantity), categories, f"[{units}]" if units else ""]
         row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=8 if categories else 9)
     for ax, name in zip(axes[-1], inputs, strict=True):
@@ -53,11 +47,8 @@ def main_effects(sensitivity: xr.Dataset, quantities: Sequence[str], of_interest
 
 
 def _curve(ax: Axes, curve: xr.Dataset, name: str, size: float) -> None:
-    value, effect = (
-        curve["value"].values / factor_scale(name, curve["value"].values)[0],
-        curve["main_effect"].values / size,
-    )
-    reach = _BAND * curve["main_effect_std"].values / size
+    value = curve["value"].values / factor_scale(name, curve["value"].values)[0]
+    effect, reach = curve["main_effect"].values / size, _BAND * curve["main_effect_std"].values / size
     ax.fill_between(value, effect - reach, effect + reach, color=BLUE, alpha=0.25, lw=0)
     ax.plot(value, effect, color=BLUE, lw=1.4)
     ax.axhline(0, color="black", lw=0.5)

@@ -78,16 +78,14 @@ _DROPPED = re.compile(
 )
 _DROPPED_IDS = re.compile(r'<g id="[^"]*"')
 _IMAGE_IDS = re.compile(r' id="image[0-9a-f]+"')  # which nothing refers to, and equal images share
-_EMPTY = re.compile(r"<g>\s*</g>")
 _UNTURNED = re.compile(r' transform="rotate\(-?0 [^)]*\)"')
 _BETWEEN = re.compile(r">\s*\n\s*<")
-_PATH = re.compile(r'\sd="([^"]*)"')
-_PLACED = re.compile(r'\s(?:x|y|transform)="[^"]*"')
+_BLANK = re.compile(r"\s*\b([MLCQz])\s+")  # beside a letter of a path
+_PLACED = re.compile(r'\s(?:d|x|y|transform)="[^"]*"')
 _FINE = re.compile(r"-?\d+\.\d+")
 _STYLE = re.compile(r' style="([^"]*)"')
 _GROUP = re.compile(r"<g>|<g [^>]*>|</g>")
 _ID = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
-_PATH_PART = re.compile(r"([A-Za-z])([^A-Za-z]*)")
 
 
 def felt_only(data: xr.Dataset, felt: Collection[str]) -> xr.Dataset:
@@ -155,13 +153,10 @@ def save(figure: Figure | str, path: Path) -> None:
 
 
 def compacted(text: str) -> str:
-    """The same picture: outlines in hundredths of a point, each style once, short ids, nothing that draws nothing."""
+    """The same picture: outlines in hundredths of a point, each style once, short ids, no blank that nothing needs."""
     text = _UNTURNED.sub("", _DROPPED_IDS.sub("<g", _IMAGE_IDS.sub("", _DROPPED.sub("", text))))
-    while (fewer := _EMPTY.sub("", text)) != text:
-        text = fewer
     text = _shortened(_ungrouped(text))
-    text = _PATH.sub(lambda match: f' d="{_outline(match[1])}"', _BETWEEN.sub("><", text))
-    text = _PLACED.sub(lambda match: _FINE.sub(lambda decimal: _number(float(decimal[0])), match[0]), text)
+    text = _PLACED.sub(_shorter, _BETWEEN.sub("><", text))
     styles = Counter(_STYLE.findall(text))
     names = {style: _name(style) for style, times in styles.items() if times > 1}
     text = _STYLE.sub(lambda match: f' class="{names[match[1]]}"' if match[1] in names else match[0], text)
@@ -195,27 +190,11 @@ def _name(style: str) -> str:
     return "s" + hashlib.blake2b(style.encode(), digest_size=4).hexdigest()
 
 
+def _shorter(places: re.Match[str]) -> str:
+    """Places in hundredths of a point."""
+    return _FINE.sub(lambda decimal: _number(float(decimal[0])), _BLANK.sub(r"\1", places[0]))
+
+
 def _number(value: float) -> str:
     """Two decimals, as short as they can be written."""
     return re.sub(r"^(-?)0\.", r"\1.", f"{round(value, 2) + 0.0:g}" if abs(value) < 1e3 else f"{value:.2f}")
-
-
-def _outline(path: str) -> str:
-    """A path whose lines go by differences; no error adds up, as they are differences of rounded places."""
-    parts: list[str] = []
-    point = (0, 0)
-    for letter, coordinates in _PATH_PART.findall(path):
-        places = [round(100 * float(place)) for place in coordinates.split()]
-        if letter == "L" and parts:
-            across, down = places[0] - point[0], places[1] - point[1]
-            letter, steps = ("h", [across]) if not down else ("v", [down]) if not across else ("l", [across, down])
-        else:
-            steps = places
-        parts.append(letter + _joined(steps))
-        point = (places[-2], places[-1]) if places else point
-    return "".join(parts)
-
-
-def _joined(hundredths: list[int]) -> str:
-    """Numbers with a blank only where the next has no sign of its own."""
-    return re.sub(" -", "-", " ".join(_number(hundredth / 100) for hundredth in hundredths))

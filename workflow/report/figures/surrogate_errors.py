@@ -53,14 +53,11 @@ def errors(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
     names = [str(name) for name in validation["output"].values]
     y = np.arange(len(names))
     figure, ax = plt.subplots(figsize=(9, 0.27 * len(names) + 1.1))
-    floor = 1e-17
-    ax.plot(np.maximum(validation["max_error"], floor), y, "o", color=BLUE, label="Gaussian process, max")
-    ax.plot(np.maximum(validation["rmse"], floor), y, "o", mfc="none", color=BLUE, label="its RMS error")
+    ax.plot(np.maximum(validation["max_error"], _FLOOR), y, "o", color=BLUE, label="Gaussian process, max")
+    ax.plot(np.maximum(validation["rmse"], _FLOOR), y, "o", mfc="none", color=BLUE, label="its RMS error")
     if "baseline_max_error" in validation:
-        ax.plot(
-            np.maximum(validation["baseline_max_error"], floor), y, "x", color=ORANGE,
-            label="tensor Chebyshev interpolation, max",
-        )  # fmt: skip
+        baseline = np.maximum(validation["baseline_max_error"], _FLOOR)
+        ax.plot(baseline, y, "x", color=ORANGE, label="tensor Chebyshev interpolation, max")
     ax.axvline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1, label="tolerance of the study")
     ax.set_xscale("log")
     ax.set_yticks(y, [titled(name) for name in names])
@@ -84,10 +81,8 @@ def coefficients(validation: xr.Dataset, quantities: Sequence[str]) -> Figure:
         ends = np.nanmin(sizes, axis=1), np.nanmax(sizes, axis=1)
         ax.fill_between(range(len(sizes)), *ends, color=BLUE, alpha=0.25, lw=0)
         ax.semilogy(sizes.max(axis=1), "o-", ms=2.5, color=BLUE, lw=1.6)
-        for output in slab["output"].values[slab["kinked"].values > 0]:
-            ax.semilogy(
-                sizes[:, list(slab["output"].values).index(output)], color=ORANGE, lw=1.6, label=f"kinked: {output}"
-            )
+        for place in np.flatnonzero(slab["kinked"].values > 0):
+            ax.semilogy(sizes[:, place], color=ORANGE, lw=1.6, label=f"kinked: {slab['output'].values[place]}")
             ax.legend(loc="lower left")
         ax.axhline(validation.attrs["tolerance"], color=GREY, ls="--", lw=1)
         ax.set_title(f"{titles.title(name)}: {len(sizes)} levels")
