@@ -1,7 +1,6 @@
 """Cases of films: from their factors to contacts, all of one kind from the same tables, and outputs by name."""
 
 from collections.abc import Callable, Iterator, Sequence, Set
-from dataclasses import replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -112,16 +111,12 @@ class OnFilm(Body):
     def _kind(self, row: list[float]) -> Kind:
         *film, friction, electric, magnetic, compliance, coupling, covered = row
         profile = self.cases.profile
-        layers, base = self._bodies.film(film)
+        stack = self._bodies.film(tuple(film), bool(covered))
         degree = max(len(profile.slope) - 1, 1)
-        kind = Kind(
-            layers, base, friction, (bool(electric), bool(magnetic)), profile.smooth, degree,
-            punch=(compliance, coupling), electroded=bool(covered),
-        )  # fmt: skip
-        if covered or kind.stack().conductors[0]:  # the electrode on top has the potential, not the punch
-            refuse_charge(self.cases)  # a stack refuses what its base does not have before anything is computed
-            kind = replace(kind, conducts=(False, bool(magnetic)))
-        return kind
+        if metal := bool(covered) or stack.conductors[0]:  # the electrode on top has the potential, not the punch
+            refuse_charge(self.cases)
+        conducts = bool(electric) and not metal, bool(magnetic)
+        return Kind(stack, friction, conducts, profile.smooth, degree, (compliance, coupling))
 
     def _films(self, places: Indices, kind: Kind) -> Films:
         number, datum_of_punch = self.cases.number, punch_datum(self.cases)

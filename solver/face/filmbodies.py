@@ -1,28 +1,26 @@
 """Film below every case, from factors or a stack; rows of numbers identify equal films."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from solver.arrays import Array, BoolArray
+from solver.cache import cached
 from solver.face.cases import Cases
 from solver.face.factorvalues import absent
 from solver.face.materials import base_of, material_of, phases_of
 from solver.face.refusal import FactorError
-from solver.line.windows import Coat, Constants, constants_of
 from solver.material.composite import compose
-from solver.material.constants import UNITS, Material
+from solver.material.constants import ANY_SIZE, UNITS, Material, combined
 from solver.names import BODY, CHOICES, MIXTURES
-from solver.stack.layers import Stack
+from solver.stack.layers import RIGID, Layer, Stack
 
 #: Homogeneous layers of equal thickness that stand for a graded film.
 SUBLAYERS = 12
 _UNGRADED = -1.0
 _HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
 _INTERFACES = ("interface_electric", "interface_magnetic")
-
-Film = tuple[tuple[Coat, ...], Constants | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +29,8 @@ class Bodies:
 
     thickness: Array  # Of the top layer [m], over the case axes
     columns: list[Array]  # Numbers that tell films apart, each over the case axes
-    # From one row of the columns to the layers, the top one of unit thickness, and the base
-    film: Callable[[Sequence[float]], Film]
+    # From one row of the columns, and whether an electrode lies on top; the top layer of unit thickness
+    film: Callable[[tuple[float, ...], bool], Stack]
     lacks_c12: str | None  # The name of a material without c12, of layers and of bases that are not rigid
 
 
@@ -62,28 +60,29 @@ def _by_factors(cases: Cases) -> Bodies:
     ]
     lacks = _lacking([(material, np.array(True)), (base, ~rigid)])
     thickness = np.where(is_graded, values["thickness"] / SUBLAYERS, values["thickness"])
-    return Bodies(thickness, columns, lambda row: _film(cases, row), lacks)
+    phases = phases_of(cases) if np.any(is_graded) else ()
+    return Bodies(thickness, columns, lambda row, electroded: _film(row, phases, electroded), lacks)
 
 
-def _film(cases: Cases, row: Sequence[float]) -> Film:
+@cached
+def _film(row: tuple[float, ...], phases: Sequence[Material], electroded: bool) -> Stack:
     """One of the films by factors."""
     count = len(UNITS) + 1  # and whether it is a conductor
     rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
-    materials = [_constants(row[:count])]
+    materials = [_material(row[:count], "film")]
     if lowest != _UNGRADED:
         if kind >= len(MIXTURES):
             raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
         depths = (np.arange(SUBLAYERS) + 0.5) / SUBLAYERS
         fractions = (surface + (lowest - surface) * depths**exponent).tolist()
-        phases = phases_of(cases)
-        materials = [constants_of(compose(MIXTURES[int(kind)], phases, fraction)) for fraction in fractions]
-    upper = [Coat(material, 1.0, "bonded", "bonded") for material in materials[:-1]]
+        materials = [compose(MIXTURES[int(kind)], phases, fraction) for fraction in fractions]
+    upper = [Layer(material, 1.0, "bonded", "bonded") for material in materials[:-1]]
     interfaces = (
         None if code < 0 else CHOICES[name][int(code)]
         for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)
     )
-    base = None if rigid else _constants(row[count : 2 * count])
-    return (*upper, Coat(materials[-1], 1.0, *interfaces)), base
+    base = RIGID if rigid else _material(row[count : 2 * count], "base")
+    return Stack([*upper, Layer(materials[-1], 1.0, *interfaces)], base, electroded)
 
 
 def _interface(cases: Cases, name: str) -> Array:
@@ -96,25 +95,27 @@ def _interface(cases: Cases, name: str) -> Array:
 def _by_stack(cases: Cases) -> Bodies:
     """Films given as :class:`solver.Stack`; those that differ in size alone share tables."""
     which = cases.values[BODY]
-    stacks: dict[Stack, Film] = {stack: _over_the_top(stack) for stack in dict.fromkeys(which.flat)}
+    stacks = {stack: _over_the_top(stack) for stack in dict.fromkeys(which.flat)}
     films = list(dict.fromkeys(stacks.values()))
     number = {film: float(place) for place, film in enumerate(films)}
 
     def of_cases(values: Mapping[Stack, float]) -> Array:
         return np.array([values[stack] for stack in which.flat]).reshape(which.shape)
 
-    materials = [layer.material for stack in stacks for layer in stack.layers]
-    materials += [stack.base for stack in stacks if not isinstance(stack.base, str)]
     thickness = of_cases({stack: stack.top.thickness for stack in stacks})
     columns = [of_cases({stack: number[film] for stack, film in stacks.items()})]
-    lacks = _lacking([(material, np.array(True)) for material in materials])
-    return Bodies(thickness, columns, lambda row: films[int(row[0])], lacks)
+    lacks = _lacking([(material, np.array(True)) for stack in stacks for material in stack.materials])
+    return Bodies(thickness, columns, lambda row, electroded: replace(films[int(row[0])], electroded=electroded), lacks)
 
 
-def _over_the_top(stack: Stack) -> Film:
-    """A stack's layers, lengths over the top one's thickness, and its base."""
-    layers = tuple(Coat.like(layer, stack.top.thickness) for layer in stack.layers)
-    return layers, None if isinstance(stack.base, str) else constants_of(stack.base)
+def _over_the_top(stack: Stack) -> Stack:
+    """A stack with lengths over the thickness of its top layer, of bare constants."""
+    materials = [combined(np.asarray, [material], "film") for material in stack.materials]
+    layers = [
+        replace(layer, material=material, thickness=layer.thickness / stack.top.thickness)
+        for layer, material in zip(stack.layers, materials, strict=False)
+    ]
+    return Stack(layers, *materials[len(layers) :])
 
 
 def half_planes(material: Material, half_length: Array) -> Bodies:
@@ -123,9 +124,9 @@ def half_planes(material: Material, half_length: Array) -> Bodies:
     All lie in the middle of one window of half-lengths, whatever their punch and load.
     """
 
-    def film(row: Sequence[float]) -> Film:
-        constants = (*_constants(row)[:-1], 0.0)  # the closed form knows no conductors
-        return (Coat(constants, 1.0, "bonded", "bonded"),), constants
+    def film(row: tuple[float, ...], electroded: bool) -> Stack:
+        bulk = _material([*row[:-1], 0.0], "film")  # the closed form knows no conductors
+        return Stack([Layer(bulk, 1.0, "bonded", "bonded")], bulk, electroded)
 
     lacks = _lacking([(material, np.array(True))])
     return Bodies(half_length / _HALF_LENGTH, _known(material), film, lacks)
@@ -148,9 +149,10 @@ def _known(material: Material) -> list[Array]:
     return [*constants, material.conductor.astype(np.float64)]
 
 
-def _constants(row: Sequence[float]) -> Constants:
-    """Constants in the order of ``UNITS``, None where unknown, and whether it is a conductor."""
-    return tuple(None if np.isinf(value) else value for value in row)
+def _material(row: Sequence[float], name: str) -> Material:
+    """Material of constants in the order of ``UNITS``, infinite where unknown, and of whether it is a conductor."""
+    *constants, conductor = (np.array(np.nan if np.isinf(value) else value) for value in row)
+    return Material(**dict(zip(UNITS, constants, strict=True)), conductor=conductor, name=name, any_size=ANY_SIZE)
 
 
 def _lacking(bodies: Sequence[tuple[Material, BoolArray]]) -> str | None:

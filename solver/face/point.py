@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Collection, Sequence, Set
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -19,8 +20,7 @@ from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
-from solver.line.windows import Kind, material_from
-from solver.material.constants import UNITS
+from solver.material.constants import UNITS, combined
 from solver.point.body import Film, HalfSpace
 from solver.point.contact import Friction, Pressed
 from solver.point.electrodes import electrode_quantities
@@ -256,11 +256,8 @@ class OnHalfSpace(OnPoints):
         return self._rims.part(places)
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
-        constants = [float(values[places[0]]) for values in self._constants]
-        dielectric = 0.0  # the last of the constants: a half-space of metal, too, is one
-        return whole(
-            material_from((*(None if np.isinf(value) else value for value in constants), dielectric), "half-space")
-        )
+        first = combined(lambda values: self._flat(values)[places[0]], [self._half.material], "half-space")
+        return whole(replace(first, conductor=np.array(False)))  # a half-space of metal, too, is a dielectric
 
 
 class OnPointFilm(OnPoints):
@@ -285,8 +282,8 @@ class OnPointFilm(OnPoints):
         kinds, which = distinct_rows(np.stack(columns, -1))
         thickness, reading, pressed = self._flat(bodies.thickness), reading_of(self.cases), []
         for number, (*row, electric, magnetic, punch, coupling, covered) in enumerate(kinds.tolist()):
-            film = Kind(*bodies.film(row), 0.0, (True, True), (True, True), 1, electroded=bool(covered))
-            if metal := film.electroded or film.stack().conductors[0]:
+            film = bodies.film(tuple(row), bool(covered))
+            if metal := film.electroded or film.conductors[0]:
                 refuse_charge(self.cases)
             held = bool(electric) and not metal, bool(magnetic)
             for alike, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
@@ -304,7 +301,7 @@ class OnPointFilm(OnPoints):
         """Friction of some cases; None where no factor gives it."""
         if "friction" not in self.cases.values:
             return None
-        stack = kind.film.stack()
+        stack = kind.film
         k = -surface(stack)[0, 1:]
         coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
         return Friction(self._friction[places], np.broadcast_to(coupling, (places.size, 3)), punch)
@@ -331,7 +328,7 @@ def _stack(pressed: Pressed) -> Stack:
     """Stack of contacts on a film."""
     if not isinstance(pressed.body, Film):
         raise TypeError("a half-space is no stack")
-    return pressed.body.kind.film.stack()
+    return pressed.body.kind.film
 
 
 def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:

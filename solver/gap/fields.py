@@ -241,7 +241,7 @@ def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, 
     out = {name: np.empty(films.load.size) for name in PEAKS if name in names}
     for place, state in solutions(films, permittivity) if out else ():
         h, half_length = np.array([state.half]), state.half * films.thickness[place]
-        net = of_whole(films.kind.stack(), state.half, _BOTTOM, _FAR)
+        net = of_whole(films.kind.stack, state.half, _BOTTOM, _FAR)
         tractions = _reaching(state, 1 + _FAR)
         stresses = Interior(tractions).fields(net.positions(h, net.line), -net.depths(h), LINEAR[:4])[..., 0]
         largest, depth, tension = of_whole_body(stresses, net, state.half).values()
@@ -279,7 +279,7 @@ def _tables(films: Films, permittivity: Array) -> film.PeakTables:
     """Cases with the stresses below them, one at a time."""
     for place, state in solutions(films, permittivity):
         half = np.array([state.half])
-        require_depth(half / films.kind.stack().thickness, "half-length")
+        require_depth(half / films.kind.stack.thickness, "half-length")
         table = replace(state.contact.table, lower=state.half, upper=state.half)
         yield np.array([place]), AirPeaks(table, state), half, state.causes[None]
 

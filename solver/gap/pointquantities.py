@@ -47,7 +47,7 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
     Edge intensities are absent: those of fields that the air carries do not exist. With friction to the first order.
     """
     if rim is not None and isinstance(pressed.body, Film):
-        require_thin(pressed.body.kind.film.stack())
+        require_thin(pressed.body.kind.film)
     points, count = AirPoints(pressed, permittivity, end), pressed.force.size
     charged, nothing = points.solved(pressed.charged), np.zeros((count, 2))
     is_charged = bool(np.any(pressed.charged.pressed.charges))
@@ -237,7 +237,7 @@ class AirPoints:
         friction, body = self.pressed.friction, self.pressed.body
         if friction is None:
             return None
-        layers = shear_kernel(body.kind.film.stack()) if isinstance(body, Film) else None
+        layers = shear_kernel(body.kind.film) if isinstance(body, Film) else None
         coefficient = float(friction.coefficient[place])
         return SlidingPoint(solution, coefficient, friction.coupling[place], layers)
 

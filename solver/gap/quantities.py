@@ -127,7 +127,7 @@ def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
         place = states.frame.fields.index(0)
         densities = within.reshape(half.size, len(states.frame.fields), -1, WITHIN)[:, place]
         exterior = _largest_exterior(contacts, place)
-        out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
+        out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.stack.above_ground)
         out["capacitance_at_load"] = Compliance.of(tangents, 0).capacitance
         out["peak_displacement"] = np.maximum(peak_of_panels(densities), exterior) / scale[2]
         out["gap_field"] = exterior / scale[2] / contacts.permittivity[:, 0]

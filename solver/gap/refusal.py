@@ -32,7 +32,7 @@ def lacking(kind: Kind) -> str | None:
         return _IDLE
     if not all(kind.smooth):
         return _CORNER
-    if kind.conducts[1] and kind.stack().insulated:
+    if kind.conducts[1] and kind.stack.insulated:
         return _SIDEWAYS
     return None
 
@@ -44,7 +44,7 @@ def lacking_at_point(body: HalfSpace | Film, conducts: BoolArray) -> str | None:
         return _IDLE
     if shape.flat:
         return _ALL_TOUCHES
-    if isinstance(body, Film) and body.kind.conducts[1] and body.kind.film.stack().insulated:
+    if isinstance(body, Film) and body.kind.conducts[1] and body.kind.film.insulated:
         return _SIDEWAYS
     return None
 

@@ -367,7 +367,7 @@ def film_table(kind: PointKind, reach: float, ends: Interval) -> RingTable:
 
 @cached
 def _operators(kind: PointKind, reach: float) -> RingOperators:
-    stack = kind.film.stack()
+    stack = kind.film
     fields = tuple(field for field in (0, 1) if kind.conducts[field])
     return RingOperators(rings(reach), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
 

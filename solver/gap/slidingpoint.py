@@ -357,7 +357,7 @@ def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units
     result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
     if isinstance(body, Film):
         b, plain, turned = slid.weighted
-        added = added_tension(body.kind.film.stack(), rim, slid.at_rest.radius, b, plain, turned)
+        added = added_tension(body.kind.film, rim, slid.at_rest.radius, b, plain, turned)
         result = result + slid.at_rest.unit * added
     return float(result)
 

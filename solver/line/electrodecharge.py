@@ -91,7 +91,7 @@ class _OfLine(Collected):
         self, kind: Kind, window: int, contact: FilmContact, reading: Reading, thickness: Array,
         cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
-        stack, loads = kind.stack(), np.concatenate([contact.load[:, None], contact.charges], -1)[cases]
+        stack, loads = kind.stack, np.concatenate([contact.load[:, None], contact.charges], -1)[cases]
         super().__init__(Electrode(stack, number), reading.part(cases), contact.load[cases], loads)
         self.thickness = thickness[cases]
         if self.electrode.on_top and reading.size is None:

@@ -43,14 +43,14 @@ def quantities(films: Films) -> dict[str, Array]:
         out["peak_pressure"] = gather(_peak_pressure)
     out |= at_edges(
         smooth,
-        None if films.kind.electroded else lambda edge: gather(lambda c: c.edge_stress(edge)),
+        None if films.kind.stack.electroded else lambda edge: gather(lambda c: c.edge_stress(edge)),
         lambda edge: np.sqrt(h)[:, None] * gather(lambda c: c.edge_intensity(edge)),
     )
     for field, conducts in enumerate(films.kind.conducts):
         if conducts:
             out |= _responses(films, field)
     if "voltage" in out:
-        out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.above_ground)
+        out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.stack.above_ground)
     return out
 
 
@@ -108,7 +108,7 @@ def peaks(films: Films, requested: Set[str], tables: PeakTables | None = None) -
 
     A film of several layers has those of its lowest interface and of its base.
     """
-    regions = [region for region in regions_of(films.kind.stack()) if requested & set(PEAKS_OF[region])]
+    regions = [region for region in regions_of(films.kind.stack) if requested & set(PEAKS_OF[region])]
     if not regions:
         return {}
     parts = [
@@ -128,7 +128,7 @@ def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = Non
         out = {"mean_pressure": load / (2 * half_length), "half_length": half_length}
         out["load_over_thickness"] = load / thickness
         for region in regions:
-            if region in regions_of(films.kind.stack()):
+            if region in regions_of(films.kind.stack):
                 out |= table.curves(half_width, causes, region)
         parts.append((places, out))
     return joined(parts, films.load.size)
@@ -137,7 +137,7 @@ def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = Non
 def _peak_tables(films: Films) -> PeakTables:
     """Cases with the table of stresses of their window."""
     for places, number, contact in films.parts:
-        require_depth(contact.half_width / films.kind.stack().thickness, "half-length")
+        require_depth(contact.half_width / films.kind.stack.thickness, "half-length")
         table = peak_window(films.kind, number)
         contact = replace(contact, table=table.table)
         yield places, table, contact.half_width, contact.causes.values

@@ -115,11 +115,11 @@ class Films:
     def _guess(self) -> Array:
         """Half-length over thickness that the closed form of the film's half-plane has; less where it is thin."""
         kind = self.kind
-        top = met(kind.stack())
+        top = met(kind.stack)
         sliding = Sliding(top, np.array(kind.friction), np.array(kind.conducts), kind.elastic)
         try:
             half = Contact(sliding, self.profile, self.load, self.charges).half_width
         except ContactError:
             half = self.thickness
         ratio = np.broadcast_to(half / self.thickness, self.load.shape)
-        return ratio if self.kind.base is not None else np.asarray(np.where(ratio > 1, ratio ** (2 / 3), ratio))
+        return np.asarray(np.where(ratio > 1, ratio ** (2 / 3), ratio)) if self.kind.stack.rigid else ratio

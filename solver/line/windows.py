@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Self
 
 import numpy as np
 
@@ -14,8 +13,7 @@ from solver.line.peaks import PeakTable
 from solver.line.stressnets import DEPTH
 from solver.line.table import LEAST, MOST, LengthsError, RangeError, Table, table, told
 from solver.line.tractions import TractionTable
-from solver.material.constants import ANY_SIZE, UNITS, Material
-from solver.stack.layers import RIGID, Layer, Stack
+from solver.stack.layers import Stack
 
 _A_DECADE = 2  # windows
 _OVERLAP = 1.3  # of a window with its neighbours
@@ -26,91 +24,21 @@ _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are ne
 _ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
 
 
-#: Constants in the order of ``solver.material.constants.UNITS``, None where unknown: NaN never equals itself; then 1 of
-#: a conductor, 0 of others.
-Constants = tuple[float | None, ...]
-
-
-def material_from(constants: Constants, name: str) -> Material:
-    """The material of constants."""
-    *values, conductor = constants
-    values_of: dict[str, Any] = {
-        key: np.array(np.nan if value is None else value) for key, value in zip(UNITS, values, strict=True)
-    }
-    return Material(**values_of, conductor=np.array(bool(conductor)), name=name, any_size=ANY_SIZE)
-
-
-def constants_of(material: Material) -> Constants:
-    """The constants of a material without case axes."""
-    material.require_axial()
-    values = {key: float(getattr(material, key)) for key in UNITS}
-    known = (None if np.isnan(value) else value for value in values.values())
-    return (*known, float(material.conductor))
-
-
-@dataclass(frozen=True)
-class Coat:
-    """One layer as hashable values, which identify tables."""
-
-    content: Constants
-    thickness: float = 1.0  # Over that of the top layer
-    # What the interface below is to each field; None for the default
-    electric: str | None = None
-    magnetic: str | None = None
-
-    @classmethod
-    def like(cls, layer: Layer, unit: float) -> Self:
-        """Return the coat of a layer, lengths over a unit [m]."""
-        return cls(constants_of(layer.material), layer.thickness / unit, layer.electric, layer.magnetic)
-
-    def layer(self) -> Layer:
-        """The layer."""
-        return Layer(material_from(self.content, "film"), self.thickness, self.electric, self.magnetic)
-
-
 @dataclass(frozen=True)
 class Kind:
     """Properties that cases answered by one set of tables share."""
 
-    layers: tuple[Coat, ...]  # From the top down
-    base: Constants | None  # Constants of the base; none: rigid
+    stack: Stack  # The film, its top layer of unit thickness, on its base
     friction: float  # Coulomb coefficient
     conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
     smooth: tuple[bool, bool]  # Whether the trailing and the leading edge of the contact are smooth
     degree: int  # Largest power of x in the slope of the punch
     punch: tuple[float, float] = (0.0, 0.0)  # N_p and k_p of the punch [1/Pa], 0 of a rigid one
-    electroded: bool = False  # Whether the surface is a grounded electrode without stiffness
 
     @property
     def elastic(self) -> Punch:
         """Elasticity of the punch."""
         return Punch(*(np.array(value) for value in self.punch))
-
-    def stack(self) -> Stack:
-        """The film, its top layer of unit thickness, on its base."""
-        return _stack(self.layers, self.base, self.electroded)
-
-    @property
-    def uniform(self) -> bool:
-        """True if the film is one layer."""
-        return len(self.layers) == 1
-
-    @property
-    def above_ground(self) -> float:
-        """Thickness above the first grounded electrode, or of all layers, over that of the top layer."""
-        stack, total = self.stack(), 0.0
-        for layer, held in zip(stack.layers, stack.grounded, strict=True):
-            total += layer.thickness
-            if 2 in held:
-                break
-        return total
-
-
-@cached
-def _stack(layers: tuple[Coat, ...], base: Constants | None, electroded: bool) -> Stack:
-    """One stack for all tables of it: what is found once for a stack, is found once."""
-    built = tuple(coat.layer() for coat in layers)
-    return Stack(built, RIGID if base is None else material_from(base, "base"), electroded)
 
 
 @cached
@@ -120,7 +48,7 @@ def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
     least, most = np.clip(ends, LEAST, MOST)
     nodes, accuracy = (_ROUGH_NODES, _ROUGH_ACCURACY) if rough else (_HALF_LENGTHS, _ACCURACY)
     return table(
-        kind.stack(), kind.friction, kind.conducts,
+        kind.stack, kind.friction, kind.conducts,
         smooth=kind.smooth, degree=kind.degree, least=float(least), most=float(most), nodes=nodes, accuracy=accuracy,
         punch=kind.elastic,
     )  # fmt: skip
@@ -136,7 +64,7 @@ def traction_window(kind: Kind, number: int) -> TractionTable:
 def peak_window(kind: Kind, number: int) -> PeakTable:
     """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
     whole = window(kind, number)
-    return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack().thickness)))
+    return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack.thickness)))
 
 
 def number_of(ratio: Array) -> Indices:

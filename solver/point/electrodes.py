@@ -51,7 +51,7 @@ class _OfPoint(Collected):
         self, contact: PointContact, film: Film, table: PointWindow, reading: Reading, window_places: Indices,
         cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
-        stack, places = film.kind.film.stack(), window_places[cases]
+        stack, places = film.kind.film, window_places[cases]
         super().__init__(
             Electrode(stack, number), reading.part(cases), contact.pressed.force[places], contact.loads[places]
         )

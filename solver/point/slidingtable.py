@@ -42,7 +42,7 @@ class SlidingWindow:
     def response(self) -> Response:
         """Response of the half-space of the top."""
         kind = self.window.kind
-        stack = kind.film.stack()
+        stack = kind.film
         coupling = contact_coupling(-surface(stack)[0, 1:], stack.scale, self.punch, np.array(kind.conducts))
         return Response(kind.compliance, coupling, kind.shape)
 
@@ -50,7 +50,7 @@ class SlidingWindow:
     def _solved(self) -> Array:
         """Shift c/a and Legendre coefficients per (V, Psi, g) and eta, at the nodes; (node, 3, 1 + 3 n)."""
         kind = self.window.kind
-        stack, radii = kind.film.stack(), np.exp(self.window.nodes)
+        stack, radii = kind.film, np.exp(self.window.nodes)
         k, weights = wavenumbers(stack, 2 * float(np.max(radii)), strip(stack))
         conducts, multiplier = np.array([True, *kind.conducts]), difference(stack, k)
         normal = np.where(conducts[:, None] & conducts, multiplier[:, 1:, 1:], 0.0)
@@ -90,7 +90,7 @@ class SlidingWindow:
         It is given per (V, Psi, g), without friction and per eta.
         """
         kind, nodes = self.window.kind, self.window.nodes
-        inside, rows, rim = Inside(kind.film.stack()), ("stress_xx",), np.ones(1)
+        inside, rows, rim = Inside(kind.film), ("stress_xx",), np.ones(1)
         stresses = []
         for number, ratio in enumerate(np.exp(nodes).tolist()):
             density, ratios, solved = self._causes(number), np.full(3, ratio), self._solved[number]

@@ -45,7 +45,7 @@ def added_stresses(contact: PointContact, positions: Array) -> Array:
 @cached
 def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array:
     """Chebyshev coefficients of the stresses per (u0, g) over C a^e; (node, stress and position and cause)."""
-    table, inside, places = window(kind, number), Inside(kind.film.stack()), np.array(positions)
+    table, inside, places = window(kind, number), Inside(kind.film), np.array(positions)
     stresses = [
         inside.of_layers(Tractions(np.full(4, ratio), table.density(number, np.eye(4)), np.zeros(4)), places, _STRESSES)
         for number, ratio in enumerate(np.exp(table.nodes).tolist())

@@ -15,12 +15,12 @@ from approximation.piecewise import Interval
 from solver.arrays import Array
 from solver.cache import cached
 from solver.line.table import LEAST, MOST
-from solver.line.windows import Kind
 from solver.point.profile import Shape
 from solver.point.state import PressedState, Stiffness, conducted, halfspace
 from solver.point.system import added_terms, interactions
 from solver.point.tractions import Density
 from solver.stack.electroded import surface
+from solver.stack.layers import Stack
 
 _A_DECADE = 2  # windows per decade, as along a line
 _OVERLAP = 1.05  # of a window with its neighbours
@@ -35,7 +35,7 @@ _SMOOTH_WIDE = 7.0  # the same beyond a/h = 10: loads to 1e-12, edge strengths t
 class PointKind:
     """Film and punch that cases share, so that one set of tables serves them."""
 
-    film: Kind  # Layers and base, the top layer of unit thickness
+    film: Stack  # Its top layer of unit thickness
     conducts: tuple[bool, bool]  # Whether the punch conducts (electric, magnetic)
     shape: Shape  # The profile of the punch
     punch: float = 0.0  # N_p of an elastic punch [1/Pa], 0 of a rigid one
@@ -43,12 +43,12 @@ class PointKind:
     @property
     def scale(self) -> Array:
         """Units of the stack: u = scale u', t = t' / scale; (4,)."""
-        return self.film.stack().scale
+        return self.film.scale
 
     @property
     def compliance(self) -> Array:
         """N of body and punch in the units of the stack, without fields that the punch does not conduct; (3, 3)."""
-        total = np.array(surface(self.film.stack())[1:, 1:])
+        total = np.array(surface(self.film)[1:, 1:])
         total[0, 0] += self.punch / self.scale[1] ** 2
         return conducted(total, np.array(self.conducts))
 
@@ -160,15 +160,14 @@ def window(kind: PointKind, number: int) -> PointWindow:
 
 
 @cached
-def _kernel(film: Kind, number: int, smooth: bool) -> Array:
+def _kernel(film: Stack, number: int, smooth: bool) -> Array:
     """Interactions of a film of unit thickness at the radii of a window; (node, 3, 3, n, n)."""
-    stack = film.stack()
     radii = np.exp(interval(number).points)
-    reach = float(np.max(radii)) / min(float(stack.media[0].slowest), 1.0)
+    reach = float(np.max(radii)) / min(float(film.media[0].slowest), 1.0)
     # a kink of the profile at its apex takes more functions
     share = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
     count = _FIRST + int(share * np.sqrt(reach))
-    return interactions(stack, radii, count)
+    return interactions(film, radii, count)
 
 
 def _masked(interactions_of_all: Array, kind: PointKind) -> Array:

@@ -1,7 +1,7 @@
 """Layers on a base: materials, thicknesses and what the interfaces do to the electric and the magnetic field."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Literal
 
@@ -88,7 +88,7 @@ class Layer:
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """Layers, the top one first, on a base.
+    """Layers, the top one first, on a base; stacks of equal content are equal.
 
     Parameters
     ----------
@@ -141,6 +141,19 @@ class Stack:
         elif lowest.magnetic == "insulated":
             raise StackError("interface_magnetic: 'insulated' is allowed above a rigid base only; grounded, bonded")
 
+    @cached_property
+    def _content(self) -> tuple[object, ...]:
+        layers = ((layer.thickness, layer.electric, layer.magnetic) for layer in self.layers)
+        values = (getattr(material, field.name) for material in self.materials for field in fields(material))
+        contents = (value.tobytes() if isinstance(value, np.ndarray) else str(value) for value in values)
+        return self.electroded, self.rigid, *layers, *contents
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Stack) and self._content == other._content
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
     @property
     def name(self) -> str:
         """Materials and thicknesses in words."""
@@ -163,6 +176,17 @@ class Stack:
         return float(sum(layer.thickness for layer in self.layers))
 
     @property
+    def materials(self) -> list[Material]:
+        """Materials of the layers, and of an elastic base last."""
+        return [layer.material for layer in self.layers] + ([] if isinstance(self.base, str) else [self.base])
+
+    @property
+    def above_ground(self) -> float:
+        """Thickness above the first grounded electrode, or of all layers, over that of the top layer."""
+        above = next((place for place, held in enumerate(self.grounded, 1) if 2 in held), len(self.layers))
+        return sum(layer.thickness for layer in self.layers[:above]) / self.top.thickness
+
+    @property
     def insulated(self) -> bool:
         """True if B_y = 0 on a rigid base, so that all magnetic flux leaves sideways."""
         return self.rigid and self.layers[-1].magnetic == "insulated"
@@ -174,9 +198,7 @@ class Stack:
         One potential fills it: away from k = 0 that of a conductor without end is zero at both its faces, whatever its
         charge.
         """
-        bodies = [layer.material for layer in self.layers]
-        base = () if isinstance(self.base, str) else (self.base,)
-        return (*(bool(m.conductor) for m in (*bodies, *base)), *([False] if self.rigid else []))
+        return (*(bool(material.conductor) for material in self.materials), *([False] if self.rigid else []))
 
     @cached_property
     def grounded(self) -> tuple[tuple[int, ...], ...]:

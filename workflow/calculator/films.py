@@ -24,7 +24,7 @@ from approximation.chebyshev import coefficients, mapped_points
 from solver.arrays import Array
 from solver.face.solution import solve
 from solver.halfplane.sliding import Punch
-from solver.line.windows import Coat, Kind, constants_of, number_of
+from solver.line.windows import number_of
 from solver.material.composite import compose
 from solver.material.constants import Material
 from solver.material.library import find
@@ -32,6 +32,7 @@ from solver.material.punches import RIGID_PUNCH, find_punch
 from solver.point.profile import SAMPLES, Shape
 from solver.point.system import added_forms
 from solver.point.table import PointKind, window
+from solver.stack.layers import Layer, Stack
 
 #: Films by their title, with the factors that make them.
 FILMS: dict[str, dict[str, Any]] = {
@@ -135,8 +136,8 @@ def _rows(values: Array, precision: float, logarithms: bool) -> list[list[float]
 
 def _table(top: Material, base: Material, punch: str, precision: float, *shown: int) -> dict[str, Any]:
     """Units and series of a film, kept to a share of their largest coefficients; the pressure at the places shown."""
-    kind = Kind((Coat(constants_of(top)),), constants_of(base), 0.0, (True, True), (True, True), 1)
-    kinds = [PointKind(kind, (True, True), shape, _compliance(punch)) for shape in _SHAPES]
+    film = Stack([Layer(top, 1.0)], base)
+    kinds = [PointKind(film, (True, True), shape, _compliance(punch)) for shape in _SHAPES]
     rows = [_entries(kinds, place, shown) for place in mapped_points(_TABLE_NODES, *np.log(RANGE))]
     loads, pressures = (coefficients(np.array(part)).T for part in zip(*rows, strict=True))
     centre = len(pressures) - len(_CAUSES) - 1  # where the pressure is largest; elsewhere it is drawn

@@ -172,7 +172,7 @@ def test_air_changes_what_theory_says_it_changes() -> None:
 def test_loads_are_those_of_the_galerkin_tables(ratio: float, exponent: float) -> None:
     """Two discretisations, one in distances and Gauss's nodes, one in wavenumbers and Legendre functions."""
     kind = PointKind(film(BTO), (True, False), Shape(exponent))
-    stack = kind.film.stack()
+    stack = kind.film
     operators = RingOperators(rings(), (0,), kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
     loads = operators.matrix(ratio)[operators.rows.loads, : operators.rows.causes]
     read = kind.stiffness(window(kind, int(number_of(np.array([ratio]))[0])).read(np.log([ratio]))).loads[0]

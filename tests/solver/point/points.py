@@ -6,29 +6,23 @@ import numpy as np
 
 import solver
 from solver.arrays import Array
-from solver.line.windows import Coat, Kind, constants_of
 from solver.material.constants import Material
 from solver.point.body import Film
 from solver.point.contact import Pressed
 from solver.point.profile import Shape
 from solver.point.table import PointKind
+from solver.stack.layers import RIGID, Layer, Stack
 
 BTO, CFO, PZT, STEEL = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "PZT-4", "steel"))
 FIBROUS = solver.fibrous(BTO, CFO, 0.5)
 
 
-def film(material: Material, base: Material | None = None, **interface: Any) -> Kind:
+def film(material: Material, base: Material | None = None, **interface: Any) -> Stack:
     """One layer of unit thickness on a base, rigid without one."""
-    coats = (Coat(constants_of(material), 1.0, **interface),)
-    return of_coats(coats, base)
+    return Stack([Layer(material, 1.0, **interface)], RIGID if base is None else base)
 
 
-def of_coats(coats: tuple[Coat, ...], base: Material | None = None) -> Kind:
-    """Layers on a base, rigid without one."""
-    return Kind(coats, None if base is None else constants_of(base), 0.0, (True, True), (True, True), 1)
-
-
-def on_film(layers: Kind, exponent: float, coefficient: float, force: Array) -> Pressed:
+def on_film(layers: Stack, exponent: float, coefficient: float, force: Array) -> Pressed:
     """Contacts without charges on films of unit thickness."""
     kind, count = PointKind(layers, (True, True), Shape(exponent)), force.shape
     body, conducts = Film(kind, np.ones(count)), np.array([True, True])

@@ -13,14 +13,13 @@ from scipy.special import j0, j1
 import solver
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
-from solver.line.windows import Coat, Kind, constants_of
 from solver.point import electrodes, inside
 from solver.point.profile import Shape, halfspace_form
 from solver.point.table import PointKind, PointWindow
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, wavenumbers
-from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film, of_coats
+from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film
 
 PUNCHES: list[dict[str, Any]] = [
     {"profile": "sphere", "radius": 5e-3},
@@ -140,17 +139,16 @@ def test_blocks_of_any_size_give_the_same_answers(monkeypatch: pytest.MonkeyPatc
 
 
 BONDED = film(FIBROUS, CFO, electric="bonded")
-TWO_LAYERS = of_coats((Coat(constants_of(BTO), 1.0, "grounded"), Coat(constants_of(CFO), 0.4)), STEEL)
+TWO_LAYERS = Stack([Layer(BTO, 1.0, "grounded"), Layer(CFO, 0.4)], STEEL)
 
 
 @cache
-def by_abel(kind: Kind, a: float, exponent: float, points: int = 200) -> tuple[Array, Array]:
+def by_abel(stack: Stack, a: float, exponent: float, points: int = 200) -> tuple[Array, Array]:
     """Loads and edge strengths of u0 and of (r/a)^e, by N pi/2 f + int K f = G and Gauss's rule; (3, 4) each.
 
     With t(k) = int_0^a f(s) cos(ks) ds, Abel's transform of the displacement is int Y t(k) cos(kx) dk. Neither the
     functions nor the test of the solver are used; its multiplier is, which the plane's tests know.
     """
-    stack = kind.stack()
     k, weights = wavenumbers(stack, 2 * a, strip(stack))
     N, delta = stack.media[0].compliance[1:, 1:], waves(stack, k)[0].difference[:, 1:, 1:]
     nodes, rule = np.polynomial.legendre.leggauss(points)
@@ -168,13 +166,13 @@ def by_abel(kind: Kind, a: float, exponent: float, points: int = 200) -> tuple[A
 
 
 @pytest.mark.sampled(8)
-@pytest.mark.parametrize("kind", [film(BTO), film(FIBROUS, STEEL), BONDED, TWO_LAYERS], ids="abcd")
+@pytest.mark.parametrize("stack", [film(BTO), film(FIBROUS, STEEL), BONDED, TWO_LAYERS], ids="abcd")
 @pytest.mark.parametrize(("a", "exponent"), list(product([0.01, 0.7, 4.0, 9.5], [2.0, 1.0, 0.0])))
-def test_loads_and_edges_are_those_of_abel_s_equation(kind: Kind, a: float, exponent: float) -> None:
-    point_kind = PointKind(kind, (True, True), Shape(exponent))
+def test_loads_and_edges_are_those_of_abel_s_equation(stack: Stack, a: float, exponent: float) -> None:
+    point_kind = PointKind(stack, (True, True), Shape(exponent))
     window = PointWindow(point_kind, int(np.floor(2 * np.log10(a))))
     stiffness = point_kind.stiffness(window.read(np.array([np.log(a)])))
-    loads, edges = by_abel(kind, a, exponent)
+    loads, edges = by_abel(stack, a, exponent)
     for ours, exact in ((a * stiffness.loads[0], loads), (stiffness.edges[0], edges)):
         size = np.max(np.abs(exact), 0)
         np.testing.assert_allclose(ours / size, exact / size, atol=1e-9 if exponent == 1.0 else 1e-11)
