@@ -49,8 +49,8 @@ def _by_factors(cases: Cases) -> Bodies:
     mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
     exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
     columns = [
-        *_known(material),
-        *(np.where(rigid, 0.0, constant) for constant in _known(base)),
+        *known_constants(material),
+        *(np.where(rigid, 0.0, constant) for constant in known_constants(base)),
         rigid,
         *(_interface(cases, name) for name in _INTERFACES),
         np.where(is_graded, graded, _UNGRADED),
@@ -129,7 +129,7 @@ def half_planes(material: Material, half_length: Array) -> Bodies:
         return Stack([Layer(bulk, 1.0, "bonded", "bonded")], bulk, electroded)
 
     lacks = _lacking([(material, np.array(True))])
-    return Bodies(half_length / _HALF_LENGTH, _known(material), film, lacks)
+    return Bodies(half_length / _HALF_LENGTH, known_constants(material), film, lacks)
 
 
 def refuse_charge(cases: Cases) -> None:
@@ -141,7 +141,7 @@ def refuse_charge(cases: Cases) -> None:
         )
 
 
-def _known(material: Material) -> list[Array]:
+def known_constants(material: Material) -> list[Array]:
     """Constants by case, infinite where unknown, and conductors; the density of what rests has no part."""
     constants = [
         np.array(np.inf) if key == "rho" else np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS

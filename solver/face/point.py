@@ -12,7 +12,7 @@ from solver.arrays import Array, column, distinct_rows
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import electroded, reading_of
-from solver.face.filmbodies import Bodies, films_of, refuse_charge
+from solver.face.filmbodies import Bodies, films_of, known_constants, refuse_charge
 from solver.face.materials import half_plane_of, punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.fields import POINT_NEED_C12, POINT_SINGULAR
@@ -20,7 +20,7 @@ from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
-from solver.material.constants import UNITS, combined
+from solver.material.constants import combined
 from solver.point.body import Film, HalfSpace
 from solver.point.contact import Friction, Pressed
 from solver.point.electrodes import electrode_quantities
@@ -192,7 +192,7 @@ class OnHalfSpace(OnPoints):
         ]
 
     def _apart(self) -> list[tuple[Indices, Pressed]]:
-        _, which = distinct_rows(np.stack(self._constants, -1))
+        _, which = distinct_rows(np.stack([self._flat(column) for column in known_constants(self._half.material)], -1))
         return [
             (places[same_body], self._of(places[same_body], shape, coefficient[same_body]))
             for places, shape, coefficient in self._by_exponent(self._every)
@@ -207,11 +207,6 @@ class OnHalfSpace(OnPoints):
     @cached_property
     def _half(self) -> HalfPlane:
         return half_plane_of(self.cases)
-
-    @cached_property
-    def _constants(self) -> list[Array]:
-        """Constants of the materials, infinite where unknown; (case,) each."""
-        return [self._flat(np.nan_to_num(getattr(self._half.material, key), nan=np.inf)) for key in UNITS]
 
     @cached_property
     def _compliances(self) -> tuple[Array, Array, Array]:

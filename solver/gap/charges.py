@@ -22,6 +22,7 @@ from scipy.special import erf
 from approximation.arrays import blocks
 from solver.arrays import Array, ComplexArray
 from solver.gap.grid import Grid, gauss
+from solver.stack.wavenumbers import on_panels
 
 _RULE = 10  # nodes of an interval
 _LEGENDRE_NODES, _WEIGHTS = leggauss(_RULE)
@@ -32,6 +33,7 @@ NEAR, FAR = 10, 26
 _ELLIPSE = 4.5  # rho^-20 is left: 1e-13
 _TINY = 1e-300  # of the imaginary part: the upper side of the real axis
 _TERMS_AT_ONCE = 1 << 20  # points times nodes at a time: bounded memory
+_GROWTH, _FIRST = 2.5, 100.0  # of panels in k towards 0, and the largest phase across the first
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +49,29 @@ class Charges:
         """Ends of intervals in u on which densities are smooth; (interval + 1,)."""
         ends = np.array(self.grid.ends)
         return np.concatenate([ends, ends[-1] + _WIDTH * np.arange(1, self.intervals + 1)])
+
+    def spectrum(self, most: float) -> "Spectrum":
+        """Spectrum up to a wavenumber times the half-length, shared by all of a power of two."""
+        power = int(np.ceil(np.log2(max(most, 1.0))))
+        if power not in self._spectra:
+            self._spectra[power] = Spectrum(self, 2.0**power)
+        return self._spectra[power]
+
+    @cached_property
+    def _spectra(self) -> dict[int, "Spectrum"]:
+        return {}
+
+    def wavenumbers(self, ends: Array, half_length: float, reach: float) -> tuple[Array, Array]:
+        """Wavenumbers and weights on panels in k and on smaller ones; distant charges extend those of long waves only.
+
+        Across the first panel the farthest charges are in phase; ``reach``: that of fields from the edges.
+        """
+        turns = np.log(ends[1] * half_length * np.cosh(self.ends[-1]) / _FIRST) / np.log(_GROWTH)
+        below = ends[1] * _GROWTH ** -np.arange(1.0, max(turns, 0) + 2)
+        ends = np.concatenate([[0.0], below[::-1], ends[1:]])
+        spectrum = self.spectrum(float(ends[-1]) * half_length)
+        far = [reach + half_length * spectrum.reach(start * half_length) for start in ends[:-1].tolist()]
+        return on_panels(ends, np.array(far))
 
     @cached_property
     def _middles(self) -> Array:
@@ -242,13 +267,3 @@ class Spectrum:
         for window in self.windows:
             window.add(out, q)
         return out
-
-
-_GROWTH, _FIRST = 2.5, 100.0  # of panels in k towards 0, and the largest phase across the first
-
-
-def from_smaller(ends: Array, farthest: float) -> Array:
-    """Ends of panels in k with smaller ones before, across the first of which the farthest charges are in phase."""
-    turns = np.log(ends[1] * farthest / _FIRST) / np.log(_GROWTH)
-    below = ends[1] * _GROWTH ** -np.arange(1.0, max(turns, 0) + 2)
-    return np.concatenate([[0.0], below[::-1], ends[1:]])

@@ -12,7 +12,7 @@ from solver.arrays import Array, ComplexArray
 from solver.curves import REGIONS
 from solver.fields import FIELDS
 from solver.gap.airline import LineSolution
-from solver.gap.charges import FAR, NEAR, Charges, Spectrum, from_smaller
+from solver.gap.charges import FAR, NEAR, Charges
 from solver.gap.densities import Densities
 from solver.gap.quantities import solutions
 from solver.halfplane.interior import LINEAR, POTENTIALS
@@ -30,7 +30,7 @@ from solver.line.system import System
 from solver.line.tractions import Tractions
 from solver.names import PEAKS
 from solver.stack.layers import Stack
-from solver.stack.wavenumbers import on_panels, panels, strip
+from solver.stack.wavenumbers import panels
 
 _MIRRORED = np.array([-1.0, -1.0, -1.0, 1.0])  # du/dX of the mirror image, over that of a charge
 
@@ -53,27 +53,14 @@ class AirTractions(Tractions):
     def _half(self) -> float:
         return float(self.half_lengths[0])
 
-    @cached_property
-    def _ends(self) -> Array:
-        """Ends of panels in k, from so small ones on that the farthest charges are in phase."""
-        stack = self.system.kernel.stack
-        ends = panels(stack, strip(stack) / 2)
-        return from_smaller(ends, self._half * float(np.cosh(self.exterior_charges.ends[-1])))
-
-    @cached_property
-    def _spectrum(self) -> Spectrum:
-        return Spectrum(self.exterior_charges, float(self._ends[-1] * self._half))
-
     def part(self, members: slice | NDArray[np.intp]) -> Self:
         """The contact itself, with its cached spectra: it is the only member."""
         return self
 
     def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
         """Wavenumbers and weights; distant charges extend the range of long waves only."""
-        reach = max(reach, self.widest)
-        nearest_reach = reach - self.longest
-        far = [nearest_reach + self._half * self._spectrum.reach(start * self._half) for start in self._ends[:-1]]
-        return on_panels(self._ends, np.maximum(reach, far))
+        nearest_reach = max(reach, self.widest) - self.longest
+        return self.exterior_charges.wavenumbers(panels(body, width), self._half, nearest_reach)
 
     def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
         """All columns together: the charges in the gap lie far from the contact, too."""
@@ -83,7 +70,9 @@ class AirTractions(Tractions):
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""
         if (key := k.tobytes()) not in self._known:
             result = self._whole.in_fourier_space(k)
-            result[0, :, 2:, 0] += self._half * self._spectrum.values(k * self._half).T
+            phases = k * self._half
+            spectrum = self.exterior_charges.spectrum(float(np.max(phases)))
+            result[0, :, 2:, 0] += self._half * spectrum.values(phases).T
             self._known[key] = result
         return self._known[key]
 

@@ -13,14 +13,14 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray
 from solver.gap.airpoint import PointStates
-from solver.gap.charges import Charges, Spectrum, from_smaller
+from solver.gap.charges import Charges
 from solver.gap.ringoperators import RingOperators
 from solver.point import hankel
 from solver.point.profile import halfspace_form
 from solver.point.system import added_forms
 from solver.point.tractions import Density, Tractions
 from solver.stack.layers import Stack
-from solver.stack.wavenumbers import on_panels, panels
+from solver.stack.wavenumbers import panels
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class AirPointTractions(Tractions):
         """Hankel transforms of the contact and its rings at phases k a (k,); (k, 4, 1) each."""
         rule = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
         first, second = super().vectors(rule.b, columns)
-        spectrum = self._spectrum(float(np.max(phases))).values(phases)
+        spectrum = self.exterior_charges.spectrum(float(np.max(phases))).values(phases)
         cosines = np.cos(phases[:, None] * rule.b) * rule.weights
         plain = cosines @ first[0].T
         plain[:, 2:] += spectrum.real.T
@@ -66,22 +66,7 @@ class AirPointTractions(Tractions):
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
         """Wavenumbers and weights; distant charges extend the range of long waves only."""
-        ratio = float(self.ratio[0])
-        ends = from_smaller(panels(stack, width), ratio * self._ends[-1])
-        spectrum = self._spectrum(float(ends[-1]) * ratio)
-        far = [reach + ratio * spectrum.reach(start * ratio) for start in ends[:-1].tolist()]
-        return on_panels(ends, np.array(far))
-
-    def _spectrum(self, most: float) -> Spectrum:
-        """One that reaches a wavenumber, shared by all of a power of two."""
-        power = int(np.ceil(np.log2(most)))
-        if power not in self._spectra:
-            self._spectra[power] = Spectrum(self.exterior_charges, 2.0**power)
-        return self._spectra[power]
-
-    @cached_property
-    def _spectra(self) -> dict[int, Spectrum]:
-        return {}
+        return self.exterior_charges.wavenumbers(panels(stack, width), float(self.ratio[0]), reach)
 
 
 def _continued(part: Array, within: BoolArray, exterior: Array) -> Array:

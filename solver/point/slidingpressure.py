@@ -41,13 +41,6 @@ class Ray:
 
     ends: Array  # Angles between panels, rising; (panel + 1,)
 
-    @classmethod
-    def of(cls, shape: Shape) -> "Ray":
-        """Ray of a shape; it starts outside the apex where that is sharper than a sphere's."""
-        toward = np.pi / 2 * (1 - 0.5 ** np.arange(1, _HALVINGS + 1))
-        first = np.arcsin(_APEX) if shape.exponent < 2 else 0.0
-        return cls(np.unique(np.concatenate([[first], _MIDDLE, toward, [np.pi / 2]])))
-
     @property
     def counts(self) -> tuple[int, ...]:
         """Points of the panels of both rays, from the leading edge to the trailing."""
@@ -85,8 +78,10 @@ class Ray:
 
 @cached
 def ray_of(shape: Shape) -> Ray:
-    """Ray of a shape, cached."""
-    return Ray.of(shape)
+    """Ray of a shape; it starts outside the apex where that is sharper than a sphere's."""
+    toward = np.pi / 2 * (1 - 0.5 ** np.arange(1, _HALVINGS + 1))
+    first = np.arcsin(_APEX) if shape.exponent < 2 else 0.0
+    return Ray(np.unique(np.concatenate([[first], _MIDDLE, toward, [np.pi / 2]])))
 
 
 @cached
