@@ -51,8 +51,9 @@ def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"],
 class Collected(ABC):
     """Charge that contacts of either kind bring to one electrode and to patches of it; (case,) each."""
 
-    def __init__(self, electrode: Electrode, reading: Reading, force: Array, loads: Array) -> None:
-        self.electrode, self.reading, self.force, self.scale = electrode, reading, force, electrode.stack.scale
+    def __init__(self, electrode: Electrode, reading: Reading, force: Array, loads: Array, thickness: Array) -> None:
+        self.electrode, self.reading, self.force, self.thickness = electrode, reading, force, thickness
+        self.scale = electrode.stack.scale
         self._whole = -np.einsum("j,cj->c", electrode.whole, loads * self.scale[1:]) / self.scale[2]
 
     def quantities(self) -> dict[str, Array]:
@@ -68,20 +69,24 @@ class Collected(ABC):
             out["patch_charge_per_force"] = self._patch(reading.position) / force
         if reading.pitch is not None:
             out["crosstalk"] = self._patch(reading.pitch) / self._patch(np.zeros_like(reading.pitch))
-            out["patch_charge_gradient"] = -2 * self._gradient(reading.pitch / 2) / force
+            out["patch_charge_gradient"] = -2 * self._charge(reading.pitch / 2, slope=True) / (self.thickness * force)
         return out
 
     @abstractmethod
     def _pressure(self) -> Array:
         """Pressure on the electrode below the middle of the contact [Pa]."""
 
-    @abstractmethod
     def _patch(self, distance: Array) -> Array:
         """Charges of patches whose middles are at distances (case,) over the top layer's thickness."""
+        return self._charge(distance, slope=False)
 
     @abstractmethod
-    def _gradient(self, distance: Array) -> Array:
-        """Derivatives of the charges by the distance [m]."""
+    def _charge(self, distance: Array, *, slope: bool) -> Array:
+        """Charges of patches without friction at distances, or their derivatives by these."""
+
+    @property
+    def _size(self) -> Array:
+        return np.zeros_like(self.force) if self.reading.size is None else self.reading.size
 
 
 class _OfLine(Collected):
@@ -92,8 +97,7 @@ class _OfLine(Collected):
         cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
         stack, loads = kind.stack, np.concatenate([contact.load[:, None], contact.charges], -1)[cases]
-        super().__init__(Electrode(stack, number), reading.part(cases), contact.load[cases], loads)
-        self.thickness = thickness[cases]
+        super().__init__(Electrode(stack, number), reading.part(cases), contact.load[cases], loads, thickness[cases])
         if self.electrode.on_top and reading.size is None:
             return
         self.k, self.weights, rows = transfers(stack, number, octave)
@@ -108,15 +112,7 @@ class _OfLine(Collected):
         pressure = -np.sum(self.carried[:, 1].real * self.weights, -1) / np.pi
         return np.asarray(pressure * self.scale[2] / self.scale[1])
 
-    def _patch(self, distance: Array) -> Array:
-        return self._strip(distance, 0)
-
-    def _gradient(self, distance: Array) -> Array:
-        return self._strip(distance, 1) / self.thickness
-
-    def _strip(self, distance: Array, order: int) -> Array:
-        """Charges of strips, or their derivatives by the distance; (case,)."""
-        size = np.zeros_like(distance) if self.reading.size is None else self.reading.size
-        wave = (1j * self.k) ** order * np.exp(1j * self.k * distance[:, None])
-        share = 2 * np.sin(self.k * size[:, None] / 2) / self.k
+    def _charge(self, distance: Array, *, slope: bool) -> Array:
+        wave = (1j * self.k if slope else 1.0) * np.exp(1j * self.k * distance[:, None])
+        share = 2 * np.sin(self.k * self._size[:, None] / 2) / self.k
         return np.asarray(np.sum((self.carried[:, 0] * wave).real * share * self.weights, -1)) / np.pi

@@ -52,10 +52,8 @@ class _OfPoint(Collected):
         cases: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
         stack, places = film.kind.film, window_places[cases]
-        super().__init__(
-            Electrode(stack, number), reading.part(cases), contact.pressed.force[places], contact.loads[places]
-        )
-        self.thickness = film.thickness[places]
+        loads, thickness = contact.loads[places], film.thickness[places]
+        super().__init__(Electrode(stack, number), reading.part(cases), contact.pressed.force[places], loads, thickness)
         self.radius, self.size = contact.radius[places] / self.thickness, contact.size[places] * self.thickness
         if self.electrode.on_top and reading.size is None:
             return
@@ -75,11 +73,8 @@ class _OfPoint(Collected):
         return np.asarray(-pressure / self.thickness**2 * self.scale[2] / self.scale[1])
 
     def _patch(self, distance: Array) -> Array:
-        charge = self._charge(distance, slope=False)
+        charge = super()._patch(distance)
         return charge if self.rubbed is None else charge + self._turned(self.rubbed, distance)
-
-    def _gradient(self, distance: Array) -> Array:
-        return self._charge(distance, slope=True) / self.thickness
 
     def _turned(self, rubbed: Tractions, distance: Array) -> Array:
         """Charges [C] that friction adds to patches at distances, odd in these; (case,)."""
@@ -108,12 +103,7 @@ class _OfPoint(Collected):
                 yield np.arange(start, min(start + step, self.radius.size)), slice(first, first + waves)
 
     def _charge(self, distance: Array, *, slope: bool) -> Array:
-        """Charges [C] of patches at distances, or their derivatives by these; without friction."""
         return self._integrated(0, lambda cases, k: self._wave(cases, k, distance, slope=slope))
-
-    @property
-    def _size(self) -> Array:
-        return np.zeros_like(self.radius) if self.reading.size is None else self.reading.size
 
     def _wave(self, cases: Indices, k: Array, distance: Array, *, slope: bool) -> Array:
         """Charge of waves on patches of some cases, or its derivative by their distances (case,); (some, k)."""
