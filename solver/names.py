@@ -121,14 +121,7 @@ CHOICES: dict[str, tuple[str, ...]] = {
 }
 
 #: Factors of the electrode that is read: all of it, or a patch of it and its neighbours.
-OF_AN_ELECTRODE = (
-    "electrode",
-    "collector",
-    "patch",
-    "patch_size",
-    "patch_position",
-    "patch_pitch",
-)
+OF_AN_ELECTRODE = ("electrode", "collector", "patch", "patch_size", "patch_position", "patch_pitch")
 
 #: Factors that name materials.
 MATERIALS = ("material", "base", "punch")

@@ -37,12 +37,6 @@ class _InAir(OnPoints):
 
         return self._of_parts(solved)
 
-    @property
-    def _end(self) -> Array:
-        """Where the gaps end; a sphere's at its radius, unless said otherwise."""
-        said = self.cases.values.get("gap_radius", np.array(np.nan))
-        return np.asarray(np.where(np.isnan(said), self.cases.number("radius"), said))
-
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
         if np.any(self._friction):
             slid = self._slid(positions, _CARRIED)
@@ -59,8 +53,13 @@ class _InAir(OnPoints):
         return inside(pressed, *self._gap(places), self._inside(places, pressed), x, y, names)
 
     def _gap(self, places: Indices) -> tuple[Array, Array]:
-        """Relative permittivity of what fills the gaps of some cases, and where they end [m]; (place,) each."""
-        return self._flat(self.cases.number("gap_permittivity"))[places], self._flat(self._end)[places]
+        """Relative permittivity of what fills the gaps of some cases, and where they end [m]; (place,) each.
+
+        A sphere's gap ends at its radius, unless said otherwise.
+        """
+        number, radius = self.cases.number, self.cases.values.get("gap_radius", np.array(np.nan))
+        end = np.where(np.isnan(radius), number("radius"), radius)
+        return self._flat(number("gap_permittivity"))[places], self._flat(end)[places]
 
 
 class HalfSpaceInAir(_InAir, OnHalfSpace):

@@ -151,10 +151,8 @@ class _Touches:
         if not (absent(which) or which == RIGID_PUNCH):
             known = punches().get(str(which)) if str(which) not in self.materials else None
             thermal = material_named(which, self.materials).thermal if known is None else known.thermal
-            conductivity, capacity = (
-                constant(name, thermal, f"the punch {which}") for name in ("conductivity", "heat_capacity")
-            )
-            punch = conductivity, capacity
+            whose = f"the punch {which}"
+            punch = constant("conductivity", thermal, whose), constant("heat_capacity", thermal, whose)
         round_in_air = (case.get("surroundings") or around(case)) == AIR and case.get("profile", "cylinder") in _ROUND
         return Spot(*_shape(case), punch, float(case["radius"]) if round_in_air else None)
 

@@ -246,9 +246,7 @@ class OnHalfSpace(OnPoints):
         return Rim(self._flat(rim.coupling, 3), stiffness, shear, self._flat(rim.share, 3), *compliances)
 
     def _rim(self, places: Indices, pressed: Pressed) -> Rim | None:
-        if self._lacks_c12 is not None:
-            return None
-        return self._rims.part(places)
+        return self._rims.part(places) if self._lacks_c12 is None else None
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
         first = combined(lambda values: self._flat(values)[places[0]], [self._half.material], "half-space")

@@ -171,10 +171,8 @@ def surface_fields(state: LineSolution, positions: Array) -> dict[str, Array]:
     c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns
     smooth = solved.assembly.gradients[0] @ solved.drawn + solved.carried(X)
     charges, H = np.zeros((2, 3, X.size))
-    charges[1:, beyond], charges[1:, ~beyond] = (
-        solved.exterior_charges.density(X[beyond]),
-        solved.exterior_charges.drawn(X[~beyond]),
-    )
+    charges[1:, beyond] = solved.exterior_charges.density(X[beyond])
+    charges[1:, ~beyond] = solved.exterior_charges.drawn(X[~beyond])
     on_it: ComplexArray = np.asarray(X[beyond], dtype=np.complex128)
     H[1:, beyond] = solved.exterior_charges.transforms(on_it).real  # within the contact it is zero
     whole[:3] += charges

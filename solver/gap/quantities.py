@@ -45,12 +45,10 @@ def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
     """
     is_charged = bool(np.any(films.charges))
     uncharged = films.with_charges(np.zeros_like(films.charges)) if is_charged else films
-    parts, whole = [], dict[str, Array]()
-    for places, contacts in _in_air(uncharged, permittivity):
-        values = _of_uncharged(contacts)
-        if not is_charged:
-            values |= _of_contacts(films.part(places), contacts)
-        parts.append((places, values))
+    parts = [
+        (places, _of_uncharged(contacts) | ({} if is_charged else _of_contacts(films.part(places), contacts)))
+        for places, contacts in _in_air(uncharged, permittivity)
+    ]
     whole = joined(parts, films.load.size)
     if is_charged:
         charged = _in_air(films, permittivity)

@@ -199,9 +199,8 @@ def _edges(A: float, B: float, q: Array) -> ComplexArray:
     return out
 
 
-_LONG_WAVES = (
-    8.0  # thicknesses from which fields are far, where a smooth end of the wavenumbers costs less than rounding
-)
+# Thicknesses from which fields are far, where a smooth end of the wavenumbers costs less than rounding
+_LONG_WAVES = 8.0
 _SPAN = 32.0  # ratio of the distances that share wavenumbers
 _EXPONENTIALS_AT_ONCE = 1 << 20  # entries of a block of exponentials: bounded memory
 

@@ -128,10 +128,8 @@ class PointWindow:
     @cached_property
     def _forces(self) -> dict[tuple[bool, bool], tuple[Array, Array]]:
         """Chebyshev coefficients of log P and of its derivative, by the held potentials."""
-        stiffness, series_of = (
-            self.kind.stiffness(self.read(self.nodes)),
-            dict[tuple[bool, bool], tuple[Array, Array]](),
-        )
+        stiffness = self.kind.stiffness(self.read(self.nodes))
+        series_of: dict[tuple[bool, bool], tuple[Array, Array]] = {}
         for electric, magnetic in product((False, True), repeat=2):
             held = electric, magnetic
             state = PressedState(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)

@@ -340,10 +340,8 @@ class _Problem:
         angles = np.linspace(0, 2 * np.pi, 16, endpoint=False)
         ends, lowest, loading = np.array(self.shape.half_extent), self.shape.lowest, self.loading
         a = np.minimum(np.geomspace(*_RADII, _RADII_TRIED), np.max(ends))
-        x, y = (
-            np.clip(middle + np.outer(a, wave(angles)), -end, end)
-            for middle, wave, end in zip(lowest, (np.cos, np.sin), ends, strict=True)
-        )
+        x = np.clip(lowest[0] + np.outer(a, np.cos(angles)), -ends[0], ends[0])
+        y = np.clip(lowest[1] + np.outer(a, np.sin(angles)), -ends[1], ends[1])
         heights = self.shape.gap(x, y)
         finite = np.isfinite(heights)
         height = np.sum(np.where(finite, heights, 0.0), axis=1) / np.maximum(np.sum(finite, axis=1), 1)

@@ -234,10 +234,8 @@ class System:
         results, beyond, charges = [fields[0][0]], [], [level_charges[0]]
         for level, D in enumerate(level_charges[1:], 1):
             # the film's answer to charges at their own place stays with their level, and does not spread to other cells
-            local, below = (
-                -self._tables[level].local / self.elastance,
-                np.where(self._outside[level], inner[level][1], 0),
-            )
+            local = -self._tables[level].local / self.elastance
+            below = np.where(self._outside[level], inner[level][1], 0)
             results.append(fields[level][0] + fields[level][1])
             results[-1][1] -= local * below
             beyond.append(fields[level][1])
