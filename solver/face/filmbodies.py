@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -115,7 +116,7 @@ def _over_the_top(stack: Stack) -> Stack:
         replace(layer, material=material, thickness=layer.thickness / stack.top.thickness)
         for layer, material in zip(stack.layers, materials, strict=False)
     ]
-    return Stack(layers, *materials[len(layers) :])
+    return Stack(layers, RIGID if stack.rigid else materials[-1])
 
 
 def half_planes(material: Material, half_length: Array) -> Bodies:
@@ -151,8 +152,9 @@ def known_constants(material: Material) -> list[Array]:
 
 def _material(row: Sequence[float], name: str) -> Material:
     """Material of constants in the order of ``UNITS``, infinite where unknown, and of whether it is a conductor."""
-    *constants, conductor = (np.array(np.nan if np.isinf(value) else value) for value in row)
-    return Material(**dict(zip(UNITS, constants, strict=True)), conductor=conductor, name=name, any_size=ANY_SIZE)
+    values = np.where(np.isinf(row), np.nan, row)
+    constants: dict[str, Any] = dict(zip((*UNITS, "conductor"), values, strict=True))
+    return Material(**constants, name=name, any_size=ANY_SIZE)
 
 
 def _lacking(bodies: Sequence[tuple[Material, BoolArray]]) -> str | None:
