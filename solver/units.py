@@ -21,6 +21,8 @@ _PREFIXES = {
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
 BOLTZMANN = 1.380649e-23  # J/K, exact since 2019
+FREEZING = 273.15  # K, zero of the Celsius scale
+_CELSIUS = ("degC", "°C", "℃")
 _ALONE = {  # no prefix
     "%": (1e-2, (0, 0, 0, 0, 0)),
     "ppm": (1e-6, (0, 0, 0, 0, 0)),
@@ -187,7 +189,8 @@ def _power(text: str) -> Fraction:
 def in_si(text: str, units: str) -> float:
     """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in SI.
 
-    What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit.
+    What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit. Temperatures are absolute:
+    ``33 degC`` is 306.15 K.
     """
     if "±" in text:
         raise ValueError(f"{text[:_LONGEST]!r} has an error behind it; write the value alone, as '5 {units}'")
@@ -197,6 +200,8 @@ def in_si(text: str, units: str) -> float:
         return float(read)
     if match is None:
         raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with its unit")
+    if units == "K" and match[2].strip() in _CELSIUS:
+        return float(Decimal(match[1]) + Decimal(str(FREEZING)))
     unit = parse(match[2])
     if not unit.fits(parse(units)):
         raise ValueError(f"{text!r}: unit mismatch: {match[2]!r} does not measure what {units!r} measures")

@@ -203,6 +203,7 @@ def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str
 
 def _known(option: str, names: Collection[str], known: Collection[str]) -> frozenset[str]:
     """The names that an option gives, all of which are known."""
+    names = [names] if isinstance(names, str) else names
     for name in names:
         if name not in known:
             raise FactorError(f"{option}: {name!r} is unknown; known are {', '.join(known)}")

@@ -16,6 +16,7 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.heat.charge import HeatError
+from solver.units import FREEZING
 from storage.files import output, writing
 from workflow.cli.casetable import one_case, read_cases
 from workflow.cli.textfile import write_columns
@@ -34,7 +35,7 @@ _MOST_PARTS = 1000
 _MOST_TIMES = 10_000_000
 _ROUGH = 1e-6  # of curves that are told to be rough
 _NOISE = 0.02  # of the largest force, down to which a force below 0 counts as noise
-_CELSIUS, _FREEZING = "temperature [degC]", 273.15  # its zero [K]
+_CELSIUS = "temperature [degC]"
 #: Columns of a history beside force or load, with their units.
 _COLUMNS = {"time": "s", "temperature": "K", _CELSIUS: "1"}
 _NEEDS = "a history has the columns time and force, as 'time [s],force [N]'; a line may have load [N m-1]"
@@ -101,7 +102,7 @@ def read_history(path: Path, length: float | None) -> tuple[History, bool]:
     if temperatures is not None:
         if warm != _CELSIUS and _CELSIUS in table.columns:
             raise InputError(f"{path}: {_CELSIUS}: stands beside another temperature; must be the only one")
-        temperatures = temperatures + (_FREEZING if warm == _CELSIUS else 0.0)
+        temperatures = temperatures + (FREEZING if warm == _CELSIUS else 0.0)
         if (cold := ~(temperatures > 0)).any():
             row = int(cold.argmax())
             raise InputError(f"{table.at(row)}: temperature: {temperatures[row]:g} K is not a finite number > 0 [K]")

@@ -71,7 +71,7 @@ def spread(study: Study, factor: str) -> xr.Dataset:
     assert study.effects is not None
     surfaces = {**study.effects.case(factor), "realisation": np.arange(study.effects.realisations)}
     out = solve(surfaces, materials=study.own_materials, phases=study.phases, outputs=SPREAD)
-    return out.assign_attrs(title=f"effect of {factor} over random surfaces")
+    return out[[name for name in SPREAD if name in out]].assign_attrs(title=f"effect of {factor} over random surfaces")
 
 
 def maps(study: Study, factor: str) -> xr.Dataset:

@@ -53,3 +53,10 @@ def test_numbers_are_read_as_they_are_printed(encoding: str, monkeypatch: pytest
             printed = stream.buffer.getvalue().decode(encoding).strip()
             read = units.in_si(printed, unit) if not printed[-1].isdigit() or unit != "1" else float(printed)
             np.testing.assert_allclose(read, value, rtol=1e-4, err_msg=printed)
+
+
+def test_temperatures_in_celsius_are_absolute() -> None:
+    assert units.in_si("33 degC", "K") == units.in_si("33°C", "K") == 306.15
+    assert units.in_si("-12.5 ℃", "K") == 260.65
+    with pytest.raises(ValueError, match="'degC' is not a unit"):
+        units.in_si("33 degC", "W m-1 K-1")
