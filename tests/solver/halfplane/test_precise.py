@@ -226,3 +226,19 @@ def test_values_at_and_about_the_crossing(offset: float) -> None:
     exact = precise.solve(MADE | {"c44": c44}, positions=CROSSING_POSITIONS, **CONTACT)
     material = solver.Material.from_mapping(MADE | {"c44": c44})
     assert_agrees(solver.solve({"material": material, **CONTACT}, CROSSING_POSITIONS), exact)
+
+
+@pytest.mark.parametrize(("name", "share"), [(SIH_SONG, 0.999), ("steel", 0.6)])
+def test_moving_punch_agrees_with_50_digits(name: str, share: float) -> None:
+    positions = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
+    speed = float(limiting_speed(solver.find(name), BOTH)) * share
+    case: dict[str, Any] = {"radius": 0.03, "load": 4e4, "friction": 0.6, "datum": 0.2}
+    case |= {"charge": 1e-6, "magnetic_charge": -2e-3}
+    computed = solver.solve({"material": name, **case, "speed": speed}, positions)
+    exact = precise.solve(constants(solver.find(name)), **case, speed=speed, positions=positions)
+    for quantity, value in exact.quantities.items():
+        np.testing.assert_allclose(computed[quantity].item(), float(value), rtol=1e-10, err_msg=quantity)
+    for field, values in exact.fields.items():
+        reference = np.array(values, float)
+        scale = float(np.max(np.abs(reference)))
+        np.testing.assert_allclose(computed[field], reference, rtol=1e-9, atol=1e-13 * scale, err_msg=field)

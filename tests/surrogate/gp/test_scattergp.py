@@ -1,6 +1,7 @@
 """The scattered engine against scikit-learn used by hand, and its refusals."""
 
 import re
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -9,6 +10,9 @@ import xarray as xr
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
@@ -115,6 +119,24 @@ def test_many_cases_are_answered_by_the_kernel_of_some(monkeypatch: pytest.Monke
     monkeypatch.setattr(scattergp, "MOST", 399)
     with pytest.raises(ValueError, match="400 scattered cases are more than 399"):
         ScatterGP(INPUTS).fit(noisy)
+
+
+def test_few_cases_without_noise_err_no_more_than_by_scikit_learn_s_process() -> None:
+    def truth(t: Array) -> Array:
+        return np.asarray(np.log(1.08 + t[:, 0]) * (1 + 0.5 * t[:, 1]) + np.exp(t[:, 1] * t[:, 2]))
+
+    t, fresh = np.random.default_rng(0).uniform(-1, 1, (80, 3)), np.random.default_rng(1).uniform(-1, 1, (500, 3))
+    box = [Input(name, -1.0, 1.0) for name in "abc"]
+    data = xr.Dataset(
+        {**{input_.name: ("case", row) for input_, row in zip(box, t.T, strict=True)}, "f": ("case", truth(t))}
+    )
+    ours = ScatterGP(inputs=box).fit(data).predict_array(fresh)[:, 0]
+    kernel = ConstantKernel(1.0, (1e-4, 1e5)) * RBF(np.ones(3), (1e-2, 1e3))
+    with warnings.catch_warnings():  # of a search that ends at the rounding of its target
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        theirs = GaussianProcessRegressor(kernel, alpha=1e-10, normalize_y=True).fit(t, truth(t)).predict(fresh)
+    errors = [float(np.abs(mean - truth(fresh)).max()) for mean in (ours, theirs)]
+    assert errors[0] < errors[1]
 
 
 FUNCTIONS: list[tuple[int, Callable[[Array], Array]]] = [
