@@ -106,8 +106,8 @@ class Stack:
     >>> film = Stack([titanate, Layer("copper", "0.1 mm")], "silicon")
     >>> film.name
     'BaTiO3 0.0005 m | copper 0.0001 m | silicon'
-    >>> film.top.material.name, round(film.thickness, 6), film.rigid, film.insulated
-    ('BaTiO3', 0.0006, False, False)
+    >>> film.top.material.name, round(film.thickness, 6), film.rigid, film.insulated, film.above_ground
+    ('BaTiO3', 0.0006, False, False, 1.0)
     >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
     -53.72
 
