@@ -104,8 +104,8 @@ class Stack:
     >>> import solver
     >>> titanate = Layer(solver.find("BaTiO3"), 0.5e-3, electric="grounded")  # a metal conducts
     >>> film = Stack([titanate, Layer("copper", "0.1 mm")], "silicon")
-    >>> film.name
-    'BaTiO3 0.0005 m | copper 0.0001 m | silicon'
+    >>> film.name, len(film.materials)
+    ('BaTiO3 0.0005 m | copper 0.0001 m | silicon', 3)
     >>> film.top.material.name, round(film.thickness, 6), film.rigid, film.insulated, film.above_ground
     ('BaTiO3', 0.0006, False, False, 1.0)
     >>> round(float(solver.solve({"body": film, "radius": 0.05, "load": 1e4})["voltage"]), 2)
