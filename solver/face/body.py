@@ -37,7 +37,7 @@ class Body(ABC):
         """Quantities that come together and that every case has; (...)."""
 
     def requested(self, names: Set[str] | None) -> dict[str, Array]:
-        """The same, or more of them than these names, where to leave others out saves no time; None: all; (...)."""
+        """Quantities of these names, None for all; more of them where that costs nothing; (...)."""
         return self.quantities()
 
     @abstractmethod

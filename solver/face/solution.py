@@ -138,7 +138,9 @@ def solve(
     X = None if positions is None else _positions(positions)
     requested = None if outputs is None else _known("outputs", outputs, ALL_QUANTITIES)
     searched = frozenset(ALL_PEAKS if peaks else ()) if isinstance(peaks, bool) else _known("peaks", peaks, ALL_PEAKS)
-    searched |= (requested or frozenset()) & ALL_PEAKS.keys()
+    if requested is not None:
+        searched |= requested & ALL_PEAKS.keys()
+        requested |= searched
     strains = list[Excess]()
 
     def part(cases: Cases) -> xr.Dataset:

@@ -61,6 +61,9 @@ def test_slopes_that_are_not_named_are_not_solved(monkeypatch: pytest.MonkeyPatc
     for name, part in {"depth": stroke, "stroke_per_volt": stroke, "charge_per_force": charge}.items():
         # another path of the same iteration, to a hundredth of the error
         assert float(part[name]) == pytest.approx(float(whole[name]), rel=0.01 * COARSE["grid_error"])
+    ball = without(EGG, "radius_x", "radius_y", "grid_error") | {"profile": "sphere", "radius": 5e-3}
+    both = solver.solve(ball, peaks=["peak_principal_tension"], outputs=["voltage", "peak_von_mises"])
+    assert set(both.data_vars) == {"voltage", "peak_von_mises", "peak_principal_tension"}
     with pytest.raises(solver.FactorError, match="outputs: 'chrge' is unknown; known are"):
         solver.solve(EGG, outputs=["chrge"])
 
