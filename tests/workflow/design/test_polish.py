@@ -1,14 +1,13 @@
 """The polish of candidates: it loses nothing, and passes a choice over only where none of its designs is feasible."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from surrogate.search.optimise import Optimum, Problem, improve
 from workflow.design.question.pilot import ask
 from workflow.design.question.sources import Factors, shape
 from workflow.design.search import polish
@@ -70,27 +69,6 @@ def found(exact: Closed | None = None, choice: str = "PZT-4") -> Candidate:
 
 def radius(design: Candidate) -> float:
     return float(design.design.variables["radius"][0])
-
-
-def ending(share: float) -> Callable[[Problem, Array, float], Optimum]:
-    """A search that ends a share of the radius beyond what it found, and takes it for feasible."""
-
-    def improved(problem: Problem, x: Array, scale: float) -> Optimum:
-        best = improve(problem, x, scale)
-        beyond = best.x + share * (best.x + 11 / 9)  # a radius of nought lies there
-        return replace(best, x=beyond, objective=best.objective * (1 + share), feasible=True)
-
-    return improved
-
-
-@pytest.mark.parametrize("beyond", [5e-12, 1e-10, 1e-9, 5e-7])
-def test_a_polish_that_ends_beyond_a_limit_by_little_retreats(beyond: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    began = found(Closed(lambda radius, friction: (1 + 1e-5) * rising(radius, friction)))  # infeasible by that
-    monkeypatch.setattr(polish, "improve", ending(2e-10 + beyond))
-    polished = polish.first_feasible([began])
-    assert polished.best.feasible
-    assert radius(polished) * (1 + 1e-5) <= BEST * (1 + 1e-12)
-    assert radius(polished) * (1 + 1e-5) >= BEST * (1 - 1e-9)
 
 
 def test_the_exact_solver_is_searched_where_the_surrogate_leads_astray() -> None:
