@@ -51,13 +51,6 @@ def test_configuration_of_a_profile_is_refused_where_the_command_line_overrides_
 
 def test_a_run_with_unread_configuration_plans_nothing(copy: Copy) -> None:
     project = copy("configuration")
-    for entries in (["stduy=small"], ["study=small", "friction=0.4"]):
-        done = project.snakemake("-n", "--config", *entries, check=False)
-        assert done.returncode == 1
-        assert "not read" in done.stdout + done.stderr
-    (project.folder / "profiles/mine").mkdir(parents=True)
-    (project.folder / "profiles/mine/config.yaml").write_text("cores: 1\nconfig: {friction: 0.4}\n", encoding="utf-8")
-    done = project.run("meecontact", "run", "small", "--profile", "mine", check=False)
-    assert done.returncode == 2
-    assert done.stderr.count("\n") == 1
-    assert "'friction': not read" in done.stderr
+    done = project.snakemake("-n", "--config", "study=small", "friction=0.4", check=False)
+    assert done.returncode == 1
+    assert "'friction': not read" in done.stdout + done.stderr

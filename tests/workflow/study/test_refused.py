@@ -1,9 +1,12 @@
 """Studies that are refused: each in one line that names the key, its value and what is allowed."""
 
+import re
+
 import pytest
 
 from tests.studies import edited, refusal
 from tests.workflow.dataset.test_batches import FILM as CROSSED
+from tests.workflow.design.test_tolerances import STUDY as TOLERATED
 from tests.workflow.device.test_pressed import STUDY as PRESSED
 from tests.workflow.study.test_films import FILM
 from tests.workflow.study.test_given import POINT
@@ -12,8 +15,9 @@ from tests.workflow.study.test_layered import LAYERS
 from tests.workflow.study.test_points import BALL
 from workflow.run.provenance import ROOT
 
-BOX, CATALOGUE, TAXEL = (
-    (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8") for name in ("quickstart", "catalogue", "taxel")
+BOX, CATALOGUE, TAXEL, MEASURED = (
+    (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8")
+    for name in ("quickstart", "catalogue", "taxel", "measured")
 )
 BOX = edited(BOX, "<= tensile_strength]", "<= 50 MPa, peak_pressure <= 500 MPa]")
 LARGE, FEW = edited(BOX, "levels: 26", "levels: 1000"), edited(BOX, "calibration: 10000", "calibration: 99")
@@ -23,6 +27,11 @@ CORNERS = f"""\
 title: A box of nine factors and four categories
 factors: {{{", ".join(f"{name}: {{low: 0.001, high: 0.002}}" for name in AXES)}}}
 categories: {{{", ".join(f"{name}: [a, b, c, d, e, f, g, h]" for name in KINDS)}}}
+"""
+MODEL = re.search(r" +model: .*\n", MEASURED)[0]
+POINTS = """\
+title: Effects of a point
+effects: {baseline: {material: PZT-4, profile: sphere, radius: 0.01, force: 1}, vary: {force: [1, 2]}}
 """
 EFFECTS = """\
 title: Effects of a factor
@@ -57,7 +66,8 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (BOX, "<= 50 MPa", "<= 50 MPa1/0", "design.sensor: 'trailing_tension <= 50 MPa1/0': '1/0': an exponent must be"),
     (BOX, "cases: 5000", "cases: 5000\n  cases: 4", "not valid YAML: key 'cases' is given twice"),
     (BOX, "\ndesign:", "\n\tdesign:", "not valid YAML: found character '\\t' that cannot start any token"),
-    (BOX, "tension <=", "tension <= 1 MPa, nominal_field <=", "'thickness' is a film's: a half-plane has none"),
+    (BOX, "trailing_tension <=", "nominal_field <= 1 kV/mm, trailing_tension <=",
+     "'thickness' is a film's: a half-plane has none"),
     (BOX, "peak_pressure <=", "peak_von_mises <=", "design: sensor: 'peak_von_mises' needs dataset: peaks: true"),
     (BOX, "  fields: 24", "  outputs: [peak_von_mises]", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks"),
     (FEW, "surrogate:", "surrogate:\n  level: 0.99",
@@ -70,7 +80,7 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (POINT, "high: 2.0", "high: 5e9", "factors: force: high: 5e+09 is 5e+09 N; did you mean 5e+09 mN?"),
     (POINT, "radius: 0.01", "radius: 0.01, punch_modulus: 200, punch_poisson: 0.3",
      "punch_modulus: 200 is 200 Pa; did you mean 200 GPa?"),
-    (FILM, "design:", "device: {amplifier: {charge_noise: 1}}\ndesign:",
+    (FILM, "design:", "device: {amplifier: {input_capacitance: 1 pF, charge_noise: 1}}\ndesign:",
      "device.amplifier.charge_noise: 1 is 1 C; did you mean 1 fC?"),
     # more than any later step could bear
     (LARGE, "slabs: 2", "slabs: 2, positions: {inside: 2000, outside: 2}",
@@ -82,11 +92,23 @@ REFUSED: list[tuple[str, str, str, str]] = [
      "effects: vary: friction: 12 values x 20000 positions are more than 200000"),
     (EFFECTS, "[0, 0.1]}", "[0, 0.1]}, interior: {across: 2000, down: 2000}",
      "effects.interior: across x down: 2000 x 2000 points are more than 250000"),
+    # tolerances
+    (TOLERATED, "radius: 5 %", "radius: 95 %", "radius: 95 % is larger than the range 0.02 to 0.3 leaves room for"),
+    (TOLERATED, "radius: 5 %", "radius: 0.2 m", "radius: 0.2 m is larger than the range 0.02 to 0.3 leaves room for"),
+    (TOLERATED, "radius: 5 %", "radius: 5 MPa", "radius: unit mismatch: '5 MPa' for a number in m"),
+    (TOLERATED, "radius: 5 %", "radius: 100 %", "radius: 100 %: must be below 100 %"),
+    (TOLERATED, "radius: 5 %", "radius: -1.0", "radius: -1 is not a positive number"),
+    (TOLERATED, "{radius: 5 %", "{friction: 0.1", "friction: is not one of the design variables: volume_fraction"),
+    (TOLERATED, "abs(voltage_per_load)", "deviation(voltage_per_load)", "': a deviation is minimised"),
+    (TOLERATED, "trailing_tension <= 50 MPa", "deviation(voltage_per_load over load) <= 2 %", "'load' is none of"),
     # categories
     (CATALOGUE, "  profile: [cylinder, half_cylinder]", "  profile: [cylinder, cylinder]", "a name is given twice"),
     (CATALOGUE, "  profile: [cylinder, half_cylinder]", "  colour: [red, blue]", "'colour' is not a category"),
     (CATALOGUE, "  charge: 0.0", "  profile: flat", "fixed: profile: is one of the categories already"),
     (CATALOGUE, "[radius, material, profile]", "[radius, material]", "design: voltage: 'profile' is missing"),
+    (CATALOGUE, "{voltage: 0.1 %}", "{voltage: 2 A}", "readout.voltage: measured: voltage: unit mismatch: '2 A'"),
+    (BOX, "magnetic_charge: 0.0", "profile: half_cylinder",
+     "surrogate: fields: only those under a cylinder that conducts in both fields are learned"),
     (CATALOGUE, "  outputs: [", "  fields: 8\n  outputs: [", "are not learned over categories: material, profile"),
     # films
     (FILM, "  thickness: {low: 2e-4, high: 3e-4, levels: 3, scale: log}\n", "", "base: 'rigid' without a thickness"),
@@ -97,7 +119,8 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (FILM, "design:", "surrogate: {outputs: [peak_von_mises]}\ndesign:", "surrogate: outputs: some of thes"),
     # what the library or the study lacks
     (FILM, "<= 3 kV/mm", "<= breakdown_field", "breakdown_field: none is known of BaTiO3 and CoFe2O4"),
-    (FILM, "nominal_field <= 3 kV/mm", "depth <= base_tensile_strength", "base_tensile_strength: a rigid base has"),
+    (FILM, "nominal_field <= 3 kV/mm", "trailing_tension <= base_tensile_strength",
+     "base_tensile_strength: a rigid base has none"),
     (FILM, "voltage_per_load)", "charge_per_force * force)",
      "device: electrode_length: missing; must be a number with a unit"),
     (edited(FILM, "voltage_per_load", "signal_voltage"), "design:", "device: {electrode_length: 10 mm}\ndesign:",
@@ -114,6 +137,8 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (BALL, "peak_pressure <=", "leading_compression <= 1 MPa, peak_pressure <=", "'leading_compression' is not one of"),
     (BALL, "groups:", "categories: {profile: [sphere, cylinder]}\ngroups:",
      "categories: profile: sphere, cylinder: lines and points need a study each"),
+    (POINTS, "[1, 2]}", "[1, 2]}, film: {thickness: 1e-4, base: steel}",
+     "effects: film: is not drawn of a point; a film stands in the baseline"),
     # groups
     (GROUPED, "load * radius / datum^2", "load / radius", "depth, voltage, blocked_load_per_volt depend on the datum"),
     (GROUPED, "charge / load", "charge^2 / load^2", "groups: the sign of charge is in no group"),
@@ -167,6 +192,21 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (CROSSED, "volume_fraction: volume_fraction, thickness: thickness}",
      "volume_fraction: volume_fraction, thickness: 2e-4}",
      "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
+    # measured rows
+    (MEASURED, "value: 13.0", "value: -13.0",
+     "measurements.lithium_niobate_tip.value: -13.0: input should be greater than 0"),
+    (MEASURED, "value: 13.0", "value: .nan", "measurements.lithium_niobate_tip.value: nan: "),
+    (MEASURED, "unit: pC/N", "unit: nC/N", "measurements.lithium_niobate_tip.unit: 'nC/N': "),
+    (MEASURED, "unit: pC/N", "units: pC/N", "measurements.lithium_niobate_tip.units: unknown key"),
+    (MEASURED, "quantity: charge_per_force", "quantity: charge", "measurements.lithium_niobate_tip.model.0.quantity: "),
+    (MEASURED, "{material: LiNbO3, profile", "{profile",
+     "measurements.lithium_niobate_tip.model.0: case: material: missing"),
+    (MEASURED, "composite: AlScN, scandium_fraction: 0.1", "composite: fibrous, volume_fraction: 0.5",
+     "measurements.scandium_nitride_diffraction.model.0: case: composite: 'fibrous' is not one of AlScN"),
+    (MEASURED, "collector: 2, patch_size: 1.0e-5", "collector: 2",
+     "measurements.aluminium_nitride_full_electrode.rivals.2: case: patch_size: missing"),
+    (MEASURED, "force: 1.0e-4}", "farce: 1.0e-4}", "measurements.lithium_niobate_tip.model.0.case.farce: "),
+    (MEASURED, MODEL, "    model: []\n", "measurements.lithium_niobate_tip: model: 0 values; must be one"),
 ]  # fmt: skip
 
 
