@@ -119,12 +119,12 @@ def design(
 ) -> Answer:
     """A design of radius and load with stroke_per_volt for its goal, trailing_tension and peak_pressure limited."""
     goal = statements.objective("stroke_per_volt", maximise=maximise)
-    terms = [replace(GOAL, statement=goal, exact=exact[0], units="m V-1", effect=())]
+    terms = [replace(GOAL, statement=goal, exact=exact[0], units="m V-1", effect=(), spread=np.nan)]
     stated = ["trailing_tension <= 50 MPa", "peak_pressure <= 500 MPa"]
     for text, value, limit in zip(stated, exact[1:], limits, strict=False):
         room = (limit - value) / limit
         bounded = replace(LIMIT, statement=statements.limit(text), exact=value, limit=limit, margin=room, bound="")
-        terms.append(replace(bounded, source="", effect=()))
+        terms.append(replace(bounded, source="", effect=(), spread=np.nan))
     variables = [
         Variable(name, value, Role.VARIABLE, Sensitivity(tuple(slopes), matters=matter), edge=end)
         for name, value, slopes, matter, end in zip(
@@ -140,6 +140,7 @@ def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
     free = words.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=(False, True)))
     assert str(free).startswith("Recommended: ")
     assert "radius" in free.idle
+    assert words.spread(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]])) == ""  # no constants
 
 
 @pytest.mark.parametrize(("farther", "goal"), [(2.0, 1e-9), (3.0, 1e-9), (2.0, -1e-9)])

@@ -8,35 +8,28 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.workflow.design import standin
 from workflow.design.question.pilot import ask
 from workflow.design.question.sources import Factors, shape
 from workflow.design.search import polish
 from workflow.design.search.polish import Candidate
-from workflow.study.model import Study
 from workflow.study.target import Target
 
 Array = NDArray[np.float64]
 
-STUDY = Study.model_validate(
-    {
-        "title": "Radius against tension",
-        "fixed": {"material": "PZT-4", "load": 1e4},
-        "factors": {
-            "radius": {"low": 0.01, "high": 0.1, "levels": 4},
-            "friction": {"low": 0.1, "high": 0.4, "levels": 4},
-        },
-        "surrogate": {"outputs": ["voltage_per_load", "trailing_tension"]},
-    }
+STUDY = standin.study(
+    fixed={"material": "PZT-4", "load": 1e4},
+    factors={
+        "radius": {"low": 0.01, "high": 0.1, "levels": 4},
+        "friction": {"low": 0.1, "high": 0.4, "levels": 4},
+    },
 )
-TARGET = Target.model_validate(
-    {
-        "maximise": "voltage_per_load",
-        "over": ["radius"],
-        "worst_case": {"friction": [0.1, 0.4]},
-        "subject_to": ["trailing_tension <= 50 MPa"],
-    }
+TARGET = Target(
+    maximise="voltage_per_load",
+    over=["radius"],
+    worst_case={"friction": [0.1, 0.4]},
+    subject_to=["trailing_tension <= 50 MPa"],
 )
-BEST = 0.05 / 0.9  # where a tension of 1 GPa/m (0.5 + friction) reaches the limit at the largest friction
 
 
 def rising(radius: Array, friction: Array) -> Array:

@@ -5,14 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from scipy import stats
 
 from solver import find, solve
 from tests.studies import fitted, made
-from workflow.design.question import scenarios
 from workflow.design.search import targets
 from workflow.design.wording import words
-from workflow.study.target import Distribution, Target
 from workflow.study.uncertainty import FAMILIES, uncertain
 
 STUDY = """\
@@ -76,31 +73,6 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_at_the_cost_of_a_search() -
     assert "the tolerance ± 5 % of radius costs 0.54 % of the goal (half the tolerance would gain 0.27 %)" in sentence
 
 
-@pytest.mark.parametrize("count", [5, 31])
-def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
-    uncertain = {
-        "load": Distribution(triangular=[1.0, 2.0, 4.0]), "speed": Distribution(normal=[5.0, 0.5]),
-    }  # fmt: skip
-    target = Target(
-        maximise="voltage", over=["radius"], worst_case={"friction": [0.0, 2.0]}, uncertain=uncertain,
-        tolerance={"radius": "5 %"}, subject_to=["deviation(voltage over friction) <= 2 %"],
-    )  # fmt: skip
-    names = ("friction", "load", "speed", "radius")
-    nodes = {4: count}
-    levels = scenarios.along(target, names, nodes)
-    weights = scenarios.weights(target, names, nodes)
-    tolerated = 3 if count == 5 else 5
-    assert (levels.groups, levels.draws) == (1, count**3 * tolerated)
-    known = {**levels.values, **levels.offsets}
-    triangular, normal = stats.triang(1 / 3, 1, 3), stats.truncnorm(-3, 3, 5, 0.5)
-    expected = {"friction": 4 / 3, "load": triangular.moment(2), "speed": normal.moment(2), "radius": 1 / 3}
-    for name, second in expected.items():
-        assert float(weights @ known[name] ** 2) == pytest.approx(second, rel=2e-6)
-    grouped = scenarios.along(target, ("load",), nodes)
-    assert (grouped.groups, grouped.draws) == (count**2 * tolerated, count)
-    assert np.all(grouped.values["friction"].reshape(-1, count) == grouped.values["friction"].reshape(-1, count)[:, :1])
-
-
 BUCKLED = """\
 title: A punch on BaTiO3
 fixed: {material: BaTiO3, load: 1e4}
@@ -148,12 +120,3 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand() -> None:
     assert f"changes the goal by {goal} (± {100 * largest:.2g} % by BaTiO3 " in sentence
     assert sentence.count("tension behind the contact by") == 1
     assert ("which may exceed its limit" in sentence) == (abs(answer.terms[1].margin) < 1e-3)
-
-
-def test_what_has_no_uncertain_constant_has_no_spread() -> None:
-    alloy = BUCKLED.replace("material: BaTiO3", "composite: AlScN, scandium_fraction: 0.3").replace("30 MPa", "300 MPa")
-    study = made(alloy)
-    answer = targets.solve_target(study, "sensor", fitted(study))
-    assert answer.constants == ()
-    assert np.isnan(answer.terms[0].spread)
-    assert words.spread(answer) == ""

@@ -1,7 +1,9 @@
 """Measured rows correct a study's surrogate: exact answers of the solver with other constants, and errors added."""
 
+import re
 import shlex
 from pathlib import Path
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -13,7 +15,6 @@ from tests.workflow.study.test_uncertainty import FILM
 from workflow.cli import main
 from workflow.dataset import draws, factorial
 from workflow.learning import correction
-from workflow.learning.correction import Summary
 from workflow.study import uncertainty
 from workflow.study.model import Study, load
 from workflow.study.uncertainty import Constant
@@ -118,23 +119,15 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
     assert any(line.startswith("steel modulus: moved by -1.") for line in summary.lines)
 
 
-def test_bad_noise_and_outliers_are_told_and_hide_no_constant(half_plane: tuple[Study, GridGP]) -> None:
+def test_outliers_are_told_and_hide_no_constant(half_plane: tuple[Study, GridGP]) -> None:
     study, model = half_plane
     known = uncertainty.uncertain(study, {"BaTiO3 e33": 0.1})
     X, exact = truth(study, model, known, np.array([1.0]), 30, 2)
     good = rows(X, exact, [0, 1], 0.02, 2)
-
-    def told(value: Array) -> Summary:
-        return correction.learn(study, model, Measurements(X, good.row, good.output, value, good.error), known)[1]
-
-    start = exact[good.row, good.output]
-    understated = told(start + 3 * (good.value - start)).plain
-    assert all(entry["low"] > 1.2 and entry["low"] < 3 < entry["high"] * 1.2 for entry in understated["errors"])
-    assert all(entry["odds"] < 20 for entry in understated["discrepancies"])
     wide = [int(np.argmax(np.where(good.output == q, good.error, 0))) for q in range(2)]
     off = good.value.copy()
     off[wide] += [12 * good.error[wide[0]], -9 * good.error[wide[1]]]
-    outliers = told(off)
+    _, outliers = correction.learn(study, model, Measurements(X, good.row, good.output, off, good.error), known)
     assert {(entry["row"], entry["output"]) for entry in outliers.plain["outliers"]} == {
         (int(good.row[k]) + 1, model.outputs_[good.output[k]]) for k in wide
     }
@@ -145,21 +138,9 @@ def test_bad_noise_and_outliers_are_told_and_hide_no_constant(half_plane: tuple[
 PAGE = Path(__file__).parents[3] / "docs/learning.md"
 
 
-def blocks(section: str) -> list[str]:
-    """Indented blocks in a section of the page."""
-    text = PAGE.read_text(encoding="utf-8").split(f"\n## {section}\n")[1].split("\n## ")[0]
-    blocks_of_code, lines = [], list[str]()
-    for line in [*text.splitlines(), ""]:
-        if line.startswith("    "):
-            lines.append(line[4:])
-        elif lines:
-            blocks_of_code.append("\n".join(lines) + "\n")
-            lines = []
-    return blocks_of_code
-
-
 def test_one_row_is_learnt_from_as_the_page_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text, row, command, words = blocks("One row")
+    section = PAGE.read_text(encoding="utf-8").split("\n## One row\n")[1].split("\n## ")[0]
+    text, row, command, words = map(dedent, re.findall(r"(?:^    .*\n)+", section, re.MULTILINE))
     for folder in ("config", "results/study"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "row.csv").write_text(row, encoding="utf-8")

@@ -62,9 +62,6 @@ def test_the_command_inverts(study: Study, model: GridGP, monkeypatch: pytest.Mo
     assert float(low[1:-1]) < 20 < float(high[:-1]) < 1.02 * float(low[1:-1])
     plain = questions.invert(Path("results/sensor"), words, si=True).split()
     assert plain[4:6] == ["N", "m-1"]
-    units = {**words, "measured": [f"voltage={voltage / 1e3}kV+-0.1%", f"magnetic_potential={potential}+-0.1 %"],
-             "at": ["volume_fraction=67%,radius=12cm"]}  # fmt: skip
-    assert questions.invert(Path("results/sensor"), units) == "\n".join(lines)
     alone = {**words, "measured": [f"voltage={voltage}+-1%"]}
     assert "friction cannot be told from this: the study's range is " in questions.invert(Path("results/sensor"), alone)
     for change, reason in (

@@ -7,22 +7,16 @@ import pytest
 import yaml
 
 from solver.names import PEAKS
-from tests.studies import NAMES, made
+from tests.studies import NAMES, edited, made
 from workflow.study import model, schema
-from workflow.study.model import Study, load
+from workflow.study.model import Study, load, remade, thawed
 from workflow.study.reading import InputError, read_material, read_yaml
 
 QUICKSTART = Path("config/quickstart.yaml")
-#: Studies of which the solver takes seconds for the corners.
-SECONDS = {
-    "air_sensor", "cut", "film", "film_actuator", "film_peaks", "film_sensor", "paper", "point", "point_sensor",
-    "probe", "roller", "rough", "two_layers",
-}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.soak) if name in SECONDS else name for name in NAMES]
-)
+@pytest.mark.soak  # the solver takes seconds for the corners of most; without them: test_removed.py
+@pytest.mark.parametrize("name", NAMES)
 def test_every_study_of_the_project_loads(name: str) -> None:
     assert load(f"config/{name}.yaml").title
 
@@ -140,3 +134,50 @@ def test_a_file_is_checked_again_when_it_has_changed(tmp_path: Path) -> None:
     assert load(path) is first
     path.write_text(text.replace(first.title, "Another"), encoding="utf-8")
     assert load(path).title == "Another"
+
+
+STUDY = """
+title: a sensor
+phases: [BaTiO3, CoFe2O4]
+fixed: {{composite: fibrous, volume_fraction: {share}, friction: 0.2, charge: 0}}
+factors:
+  radius: {{low: {low}, high: {high}, levels: 3}}
+  load: {{low: {load}, high: 2e4, levels: 3}}
+effects: {{baseline: {{composite: fibrous, volume_fraction: 0.5, radius: {low}, load: 1e4, friction: 0.1, charge: 0}},
+  vary: {{radius: [{low}, {high}]}}}}
+design:
+  mine: {{maximise: voltage, over: {{radius: {{low: {low}}}}}, worst_case: {{load: [{load}, 2e4]}},
+    tolerance: {{radius: {off}}}}}
+"""
+BARE = {"share": "0.5", "low": "0.02", "high": "0.2", "load": "1e4", "off": "1e-4"}
+WITH_UNITS = {"share": "50 %", "low": "20 mm", "high": "20 cm", "load": "10 N/mm", "off": "0.1 mm"}
+
+
+def test_a_unit_says_what_a_bare_number_of_si_says() -> None:
+    bare, other = made(STUDY.format(**BARE)), made(STUDY.format(**WITH_UNITS))
+    assert other.physics == bare.physics
+    assert other.design["mine"].tolerances == bare.design["mine"].tolerances == {"radius": (1e-4, 0.0)}
+    sections = {"fixed", "factors", "effects"}
+    assert other.model_dump(include=sections) == bare.model_dump(include=sections)
+    assert other.design["mine"].worst_case == {"load": [1e4, 2e4]}
+    assert other.design["mine"].variables["radius"].low == 0.02
+
+
+POINT = """\
+title: a ball
+fixed: {material: PZT-4, profile: sphere, radius: 0.01, surroundings: insulated}
+factors: {force: {low: 1.0, high: 2.0, levels: 3}}
+validation: {cases: 20, calibration: 40}
+"""
+
+
+def test_a_box_that_no_material_bears_is_told_before_it_runs() -> None:
+    assert not made(POINT).defaults
+    heavy = made(edited(edited(POINT, "0.01", "0.001"), "low: 1.0, high: 2.0", "low: 500, high: 900")).defaults
+    assert [line.partition(":")[0] for line in heavy] == ["pressure"]
+    assert heavy[0].endswith("check force and radius: bare numbers are in SI")
+
+
+def test_a_number_with_its_unit_passes_again_when_a_job_thaws_the_study() -> None:
+    study = made(edited(edited(POINT, "0.01", "20 m"), "low: 1.0, high: 2.0", "low: 1 GN, high: 5 GN"))
+    assert thawed(study.frozen()).fixed["radius"] == remade(study, title="again").fixed["radius"] == 20.0

@@ -1,7 +1,6 @@
 """A job works on the study that it was planned with, or refuses: never on what the file has become since."""
 
 import json
-import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +10,6 @@ import pytest
 from tests import studies
 from tests.workflow.conftest import SMALL, Copy, Project, job
 from workflow.run import lock
-from workflow.run.provenance import ROOT, imports
 from workflow.study import partition, planned
 from workflow.study.contents import PHYSICS
 from workflow.study.model import Study, load, named, thawed
@@ -118,23 +116,6 @@ def test_a_job_on_other_cores_has_the_slabs_that_were_planned(
     assert partition.with_slabs(named("own")).digest("dataset") != two.digest("dataset")
     assert partition.settle(entries, planner=False) == entries
     assert partition.with_slabs(named("own")).digest("dataset") == two.digest("dataset")
-
-
-def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> None:
-    checked = 0
-    for file in sorted((ROOT / "workflow/rules").glob("*.smk")):
-        for rule in re.split(r"^(?=rule )", file.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
-            script = re.search(r'^    script:\n +"\.\./(scripts/\w+\.py)"', rule, re.MULTILINE)
-            assert script, rule
-            source = (ROOT / "workflow" / script[1]).read_text(encoding="utf-8")
-            imported = list(imports(source))
-            assert ("workflow.study", "model") not in imported, rule
-            assert not [module for module, _ in imported if module.startswith("workflow.study.model")], rule
-            if ("workflow.study", "planned") in imported:
-                assert re.findall(r"planned\.(?!pressed)\w+\(.*", source) == ["planned.start(globals())"], rule
-                assert re.search(r"^        study=sections\(", rule, re.MULTILINE), rule
-                checked += 1
-    assert checked >= 14
 
 
 TARGET = {"target", "design", "figure_design", "sensitivity", "figure_sensitivity", "solved", "provenance", "report"}

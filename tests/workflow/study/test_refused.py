@@ -1,7 +1,5 @@
 """Studies that are refused: each in one line that names the key, its value and what is allowed."""
 
-import re
-
 import pytest
 
 from tests.studies import edited, refusal
@@ -9,9 +7,9 @@ from tests.workflow.dataset.test_batches import FILM as CROSSED
 from tests.workflow.design.test_tolerances import STUDY as TOLERATED
 from tests.workflow.device.test_pressed import STUDY as PRESSED
 from tests.workflow.study.test_films import FILM
-from tests.workflow.study.test_given import POINT
 from tests.workflow.study.test_grouped import STUDY as GROUPED
 from tests.workflow.study.test_layered import LAYERS
+from tests.workflow.study.test_model import POINT
 from tests.workflow.study.test_points import BALL
 from workflow.run.provenance import ROOT
 
@@ -28,7 +26,7 @@ title: A box of nine factors and four categories
 factors: {{{", ".join(f"{name}: {{low: 0.001, high: 0.002}}" for name in AXES)}}}
 categories: {{{", ".join(f"{name}: [a, b, c, d, e, f, g, h]" for name in KINDS)}}}
 """
-MODEL = re.search(r" +model: .*\n", MEASURED)[0]
+MODEL = next(line for line in MEASURED.splitlines(keepends=True) if line.startswith("    model:"))
 POINTS = """\
 title: Effects of a point
 effects: {baseline: {material: PZT-4, profile: sphere, radius: 0.01, force: 1}, vary: {force: [1, 2]}}
@@ -94,9 +92,7 @@ REFUSED: list[tuple[str, str, str, str]] = [
      "effects.interior: across x down: 2000 x 2000 points are more than 250000"),
     # tolerances
     (TOLERATED, "radius: 5 %", "radius: 95 %", "radius: 95 % is larger than the range 0.02 to 0.3 leaves room for"),
-    (TOLERATED, "radius: 5 %", "radius: 0.2 m", "radius: 0.2 m is larger than the range 0.02 to 0.3 leaves room for"),
     (TOLERATED, "radius: 5 %", "radius: 5 MPa", "radius: unit mismatch: '5 MPa' for a number in m"),
-    (TOLERATED, "radius: 5 %", "radius: 100 %", "radius: 100 %: must be below 100 %"),
     (TOLERATED, "radius: 5 %", "radius: -1.0", "radius: -1 is not a positive number"),
     (TOLERATED, "{radius: 5 %", "{friction: 0.1", "friction: is not one of the design variables: volume_fraction"),
     (TOLERATED, "abs(voltage_per_load)", "deviation(voltage_per_load)", "': a deviation is minimised"),
@@ -195,17 +191,14 @@ REFUSED: list[tuple[str, str, str, str]] = [
     # measured rows
     (MEASURED, "value: 13.0", "value: -13.0",
      "measurements.lithium_niobate_tip.value: -13.0: input should be greater than 0"),
-    (MEASURED, "value: 13.0", "value: .nan", "measurements.lithium_niobate_tip.value: nan: "),
     (MEASURED, "unit: pC/N", "unit: nC/N", "measurements.lithium_niobate_tip.unit: 'nC/N': "),
     (MEASURED, "unit: pC/N", "units: pC/N", "measurements.lithium_niobate_tip.units: unknown key"),
-    (MEASURED, "quantity: charge_per_force", "quantity: charge", "measurements.lithium_niobate_tip.model.0.quantity: "),
     (MEASURED, "{material: LiNbO3, profile", "{profile",
      "measurements.lithium_niobate_tip.model.0: case: material: missing"),
     (MEASURED, "composite: AlScN, scandium_fraction: 0.1", "composite: fibrous, volume_fraction: 0.5",
      "measurements.scandium_nitride_diffraction.model.0: case: composite: 'fibrous' is not one of AlScN"),
     (MEASURED, "collector: 2, patch_size: 1.0e-5", "collector: 2",
      "measurements.aluminium_nitride_full_electrode.rivals.2: case: patch_size: missing"),
-    (MEASURED, "force: 1.0e-4}", "farce: 1.0e-4}", "measurements.lithium_niobate_tip.model.0.case.farce: "),
     (MEASURED, MODEL, "    model: []\n", "measurements.lithium_niobate_tip: model: 0 values; must be one"),
 ]  # fmt: skip
 

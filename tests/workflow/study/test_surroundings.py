@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from solver import solve
@@ -13,7 +12,6 @@ from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from storage.netcdf import read_whole
 from tests.studies import edited, made, refusal
 from workflow.dataset import slabs
-from workflow.dataset.effects import effect
 from workflow.design.search import targets
 from workflow.language import grammar
 from workflow.learning import training
@@ -37,21 +35,6 @@ def test_what_only_some_surroundings_have_is_lacked() -> None:
     assert "voltage[air]" in mixed.output_names
     assert mixed.narrowed({"surroundings": "insulated"}).stores_fields
     assert not mixed.stores_fields
-
-
-SLIDES = """\
-effects:
-  baseline: {material: PZT-4, profile: sphere, radius: 0.05, force: 1.0, magnetic: insulating, surroundings: air}
-  vary: {friction: [0.0, 0.1]}
-  positions: {inside: 3, outside: 1}
-"""
-
-
-def test_effects_of_friction_on_a_point_in_air_are_drawn() -> None:
-    curves = effect(made(AIR + SLIDES), "friction")
-    rests, slides = curves["electric_displacement"]
-    np.testing.assert_allclose(rests, rests[::-1], rtol=1e-12)
-    assert abs(float(slides[0] / slides[-1]) - 1) > 1e-3  # of the surface beside the contact, charged by the gap
 
 
 GROUPS = """\
