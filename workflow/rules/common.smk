@@ -8,7 +8,7 @@ from functools import cache
 from itertools import count
 
 from workflow.dataset import batches, casecache
-from workflow.design.wording import unreached
+from workflow.design.verdict import netcdf
 from workflow.report import sections as page_sections
 from workflow.run import lock, provenance
 from workflow.run.interpreter import quote_interpreter
