@@ -61,7 +61,7 @@ def test_a_factorial_in_any_order_is_the_grid_model_of_its_data_set() -> None:
     assert isinstance(model.model_, GridGP)
     assert [input_.scale for input_ in model.model_.inputs_] == ["linear", "log", "linear"]
     axes = {f"x{k}": levels for k, levels in enumerate(LEVELS)}
-    a, b, c = xr.broadcast(*(xr.DataArray(values, dims=name, coords={name: values}) for name, values in axes.items()))
+    a, b, c = xr.broadcast(*(xr.DataArray(values, {name: values}, name) for name, values in axes.items()))
     grid_model = GridGP().fit(xr.Dataset({"f": np.exp(0.5 * a) * np.log(b) + 0.1 * c, "g": a**2}))
     mean, std = model.predict(fresh(), return_std=True)
     wanted = grid_model.predict_array(fresh(), return_std=True)
