@@ -55,17 +55,6 @@ def test_the_load_at_the_first_limit_is_that_of_hertz(room: float) -> None:
     assert (overload.overload, overload.overload_term) == (merit.MOST_LOAD, "")
 
 
-@pytest.mark.parametrize(("radius", "flagged"), [(1e-7, True), (0.1, False)])
-def test_too_wide_a_contact_is_told_of_a_fixed_radius_too(radius: float, flagged: bool) -> None:
-    factors = {"load": standin.FACTORS["load"]}
-    study = standin.study(fixed=standin.FIXED | {"radius": radius}, factors=factors)
-    judged = assessment.judge(standin.design(study, {"load": 1e4}, minimise="depth", over=["load"]))
-    solved = solve({**standin.FIXED, "radius": radius, "load": 1e4})
-    width = float(solved["contact_trailing"] + solved["contact_leading"])
-    assert (f"the contact is {width / radius:.2g} of the radius wide" in judged.flags) == flagged
-    assert ("both surfaces must be smoother than most are" in judged.flags) == (float(solved["depth"]) < 1e-7)
-
-
 def test_a_wide_or_deep_contact_is_beyond_small_strain() -> None:
     """A fingertip on 3 mm of film: a/R = 0.49, and four fifths of the film deep."""
     fingertip = shipped("point_sensor")

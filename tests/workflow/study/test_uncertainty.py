@@ -40,7 +40,7 @@ def test_families_and_their_priors(film: Study) -> None:
     off = np.mean([np.log(other.eps11 / find("BaTiO3").eps11), np.log(other.eps33 / find("BaTiO3").eps33)])
     assert priors["BaTiO3 permittivity"] == pytest.approx(abs(off))
     alloy = "title: An alloy\nfixed: {composite: AlScN, scandium_fraction: 0.3, radius: 0.05}\n"
-    assert uncertainty.uncertain(made(f"{alloy}factors: {{load: {{low: 1e4, high: 2e4, levels: 3}}}}\n")) == []
+    assert not uncertainty.materials(made(f"{alloy}factors: {{load: {{low: 1e4, high: 2e4, levels: 3}}}}\n"))
     assert {priors["steel poisson"], priors["steel modulus"], priors["CoFe2O4 stiffness"]} == {0.02, 0.05}
 
 
