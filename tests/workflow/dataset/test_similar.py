@@ -66,29 +66,33 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     assert grouping.scalings["depth[rigid]"].coefficient == pytest.approx(0, abs=1e-12 * true["depth[rigid]"].item())
 
 
-@pytest.mark.slow
+#: Prints the bytes of the stored cases' factors.
+REPRESENTATIVES = """
+import sys
+from pathlib import Path
+from workflow.dataset import factorial
+from workflow.study import representatives
+from workflow.study.model import thawed
+from workflow.study.reading import read_yaml
+plan = {"study": read_yaml(Path(sys.argv[1])), "path": sys.argv[1], "materials": {}, "absent": [], "hanging": []}
+study = thawed(plan)
+factors = representatives.factors(study, dict(factorial.axes(study)))
+print({name: values.values.tobytes().hex() for name, values in factors.items() if hasattr(values, "values")})
+"""
+
+
 def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(tmp_path: Path) -> None:
     """Two factors are divided by in the second product: the order, which decides bits, is the product's."""
-    code = (
-        "import sys; from pathlib import Path; from workflow.dataset import factorial; "
-        "from workflow.study import representatives; from workflow.study.model import thawed; "
-        "from workflow.study.reading import read_yaml; known = dict(materials={}, absent=[], hanging=[]); "
-        "study = thawed({'study': read_yaml(Path(sys.argv[1])), 'path': sys.argv[1], **known}); "
-        "found = representatives.factors(study, dict(factorial.axes(study))); "
-        "print({name: one.values.tobytes().hex() for name, one in found.items() if hasattr(one, 'values')})"
-    )
-
-    path = tmp_path / "study.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-
-    def told(seed: int) -> str:
-        environment = {**os.environ, "PYTHONHASHSEED": str(seed)}
-        command = [sys.executable, "-c", code, str(path)]
-        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
-
-    first = told(0)
-    assert "load" in first
-    assert told(1) == first
+    (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
+    outputs = {}
+    for seed in ("0", "1"):
+        command = [sys.executable, "-c", REPRESENTATIVES, str(tmp_path / "study.yaml")]
+        done = subprocess.run(
+            command, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True, check=True
+        )
+        outputs[seed] = done.stdout
+    assert "load" in outputs["0"]
+    assert outputs["0"] == outputs["1"]
 
 
 FILM = """\
