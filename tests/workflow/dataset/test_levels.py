@@ -37,7 +37,8 @@ def test_chosen_levels_reach_the_tolerance(tmp_path: Path) -> None:
     assert not ready.open
     counts = dict(zip(chosen["input"].values, chosen["levels"].values, strict=True))
     assert {name: axis.levels for name, axis in ready.factors.items()} == counts
-    assert (counts["friction"], counts["charge"], chosen["affine"].sel(input="charge")) == (6, 2, 1)
+    assert (counts["friction"], counts["charge"]) == (6, 2)
+    assert chosen["affine"].sel(input="charge") == 1
     assert ready.cases == int(chosen["levels"].prod()) <= 20000
     assert partition.count(ready) == partition.count(config)  # the rules counted them before
     data_set(ready, tmp_path)
