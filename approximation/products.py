@@ -1,6 +1,6 @@
 """Products of Chebyshev polynomials of several coordinates, each known by its degrees."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,13 +28,6 @@ def pairwise(inputs: int, pair: tuple[int, int], total: int, least: int = 2) -> 
 def values(degrees: Indices, t: Array) -> Array:
     """Return prod_k T_{degrees[m, k]}(t_k) of degrees (m, d) at places (d, B): (m, B)."""
     return product(degrees, polynomials(t, 1 + int(degrees.max())))
-
-
-def slopes(degrees: Indices, t: Array) -> Iterator[Array]:
-    """Yield the derivatives of `values` by every coordinate, (m, B) each, of degrees (m, d) at places (d, B)."""
-    T = polynomials(t, max(2, 1 + int(degrees.max())))
-    S = derivatives(t, T)
-    return (product(degrees, T, S, k) for k in range(len(t)))
 
 
 def polynomials(t: Array, count: int) -> Array:

@@ -89,7 +89,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
         )
     X = np.empty((*shape, len(names)))
     for k, (name, array) in enumerate(arrays.items()):
-        X[..., k] = _broadcast(array, sizes)
+        X[..., k] = array.variable.set_dims(sizes).values
         bad = ~np.isfinite(array.values)
         if bad.any():
             where = int(np.count_nonzero(~np.isfinite(X[..., k])))
@@ -201,12 +201,6 @@ def _check_names(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -
     for name in names:
         if name not in points:
             raise ValueError(f"input {name!r} is missing; the inputs are {', '.join(names)}")
-
-
-def _broadcast(array: xr.DataArray, sizes: Mapping[Hashable, int]) -> Array:
-    """The values with one axis for each dimension, of length one where they do not vary."""
-    present = [dim for dim in sizes if dim in array.dims]
-    return array.transpose(*present).values.reshape([array.sizes.get(dim, 1) for dim in sizes])
 
 
 def _as_array(name: str, value: object, names: Sequence[str]) -> xr.DataArray:

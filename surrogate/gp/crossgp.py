@@ -358,7 +358,6 @@ class CrossGP(GridGP):
         for gram, size in zip(grams, sizes, strict=True):
             gram /= (spread**2 * (self._places() / size))[:, None, None]
         back = np.argsort(self.order_)
-        points = [input_.to_unit(levels) for input_, levels in zip(self.inputs_, self.levels_, strict=True)]
-        self._choose(points, [grams[k] for k in back])
+        self._choose([grams[k] for k in back])
         whole = TensorTrain((*train.cores[:-1], train.cores[-1] / spread))
         self.train_ = whole.scaled([self.factors_[k].weights for k in self.order_])

@@ -7,7 +7,7 @@ factor's own kernel matrix alone (Rasmussen and Williams, section 5.4.2, applied
 coefficients C along the factor.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import Any, ClassVar, Self
 
@@ -41,36 +41,27 @@ def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
     return np.maximum(squares, 0) / diagonal**2 + np.finfo(float).eps ** 2 * energy + np.finfo(float).tiny, 1 / diagonal
 
 
-def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, float]) -> Factor:
+def most_predictive(levels: int, grams: Array) -> Factor:
     """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
 
     The kernel has unit variance averaged over the levels, as the standardised outputs have, so that its decay follows
-    the size of the errors: the mean hardly depends on it.
+    the size of the errors: the mean hardly depends on it. A search follows the best of some steps.
 
     grams: (p, n, n), C C^T of every output along the factor.
     """
 
     def cost(logarithm: float) -> float:
-        factor = make(float(np.exp(logarithm)))
+        factor = Factor(levels, float(np.exp(logarithm)))
         errors, variances = level_errors(factor, grams)
         variances = variances / (1 + factor.features(factor.t, 1).prior.mean())
         return float(np.mean(errors / variances) + np.mean(np.log(variances)))
 
-    return make(least(cost, bounds, COARSE))
-
-
-def least(cost: Callable[[float], float], bounds: tuple[float, float], steps: int) -> float:
-    """Return the positive number of least cost: the best of some steps, then a search between its neighbours."""
-    grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), steps)
+    lowest = max(1e-3, 10.0 ** (-125 / levels))  # rho^(2n) does not underflow
+    grid = np.linspace(float(np.log(lowest)), float(np.log(0.95)), COARSE)
     best = int(np.argmin([cost(logarithm) for logarithm in grid]))
-    around = (grid[max(best - 1, 0)], grid[min(best + 1, steps - 1)])
+    around = (grid[max(best - 1, 0)], grid[min(best + 1, COARSE - 1)])
     optimum = scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
-    return float(np.exp(optimum.x))
-
-
-def rho_bounds(levels: int) -> tuple[float, float]:
-    """Range of the Chebyshev kernel's rho: neither end under- or overflows in rho^(2n)."""
-    return max(1e-3, 10.0 ** (-125 / levels)), 0.95
+    return Factor(levels, float(np.exp(optimum.x)))
 
 
 def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array, Array]:
@@ -184,38 +175,37 @@ class GridGP(GaussianProcess):
         self.inputs_, self.levels_ = data.inputs, data.levels
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
         self.cases_, self.calibration_, self.correction_ = self._places(), None, None
-        points = [factor_input.to_unit(levels) for factor_input, levels in zip(data.inputs, data.levels, strict=True)]
-        coefficients, grams = self._coefficients(data, points)
-        self._choose(points, grams)
+        coefficients, grams = self._coefficients(data)
+        self._choose(grams)
         self.order_, ordered = joined(coefficients)
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, ordered.shape, strict=False)]
         self.train_ = compress(ordered, float(np.sqrt(self._allowed()))).scaled(weights)
         return self
 
-    def _choose(self, points: Sequence[Array], grams: Sequence[Array]) -> None:
+    def _choose(self, grams: Sequence[Array]) -> None:
         """Choose the factors' kernels and the variance, from the coefficients' Gram matrices, a case at a level."""
-        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
+        self.factors_ = tuple(self._factor(*pair) for pair in zip(self.inputs_, grams, strict=True))
         self.hyperparameters_ = {
             input_.name: f.parameter for input_, f in zip(self.inputs_, self.factors_, strict=True)
         }
         self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
 
-    def _coefficients(self, data: Factorial, points: Sequence[Array]) -> tuple[list[Array], list[Array]]:
+    def _coefficients(self, data: Factorial) -> tuple[list[Array], list[Array]]:
         """Standardise every output and take it to the factors' bases.
 
         Returns the significant coefficients of every output, and for every factor the Gram matrices of the
         coefficients along it, (p, n, n), a case at a level.
         """
-        bases = [cosine_basis(len(t))[0] for t in points]
+        bases = [cosine_basis(len(levels))[0] for levels in data.levels]
         self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
-        grams = [np.empty((len(data.outputs), len(t), len(t))) for t in points]
+        grams = [np.empty((len(data.outputs), *basis.shape)) for basis in bases]
         significant_coefficients = []
         for p, values in enumerate(data.outputs.values()):
             output_grams = [gram[p] for gram in grams]
             coefficients, self.offset_[p], self.scale_[p] = standardised(values, bases, output_grams)
-            significant_coefficients.append(significant(coefficients, output_grams, self._allowed() / len(points)))
-        for gram, t in zip(grams, points, strict=True):
-            gram /= self._places() / len(t)
+            significant_coefficients.append(significant(coefficients, output_grams, self._allowed() / len(bases)))
+        for gram in grams:
+            gram /= self._places() / gram.shape[1]
         return significant_coefficients, grams
 
     def _places(self) -> int:
@@ -226,13 +216,11 @@ class GridGP(GaussianProcess):
         """Squared error allowed to dropping high modes, and as much again to the tensor train."""
         return self.compression**2 * self._places() / 2
 
-    def _factor(self, k: int, t: Array, grams: Array) -> Factor:
-        fixed = (self.hyperparameters or {}).get(self.inputs_[k].name)
-        if fixed is None and len(t) == 2:
-            fixed = 0.5  # affine: rho has no part in it
-        if fixed is not None:
-            return Factor(len(t), fixed)
-        return most_predictive(lambda rho: Factor(len(t), rho), grams, rho_bounds(len(t)))
+    def _factor(self, factor_input: Input, grams: Array) -> Factor:
+        rho, levels = (self.hyperparameters or {}).get(factor_input.name), grams.shape[1]
+        if rho is None and levels > 2:
+            return most_predictive(levels, grams)
+        return Factor(levels, 0.5 if rho is None else rho)  # of two levels, affine, rho has no part
 
     @override
     def state(self) -> xr.Dataset:

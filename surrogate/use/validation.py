@@ -16,6 +16,7 @@ from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import named_points
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
+from surrogate.transforms.groups import Scales
 from surrogate.transforms.transformed import groups_of
 
 DECILES = 10
@@ -213,8 +214,8 @@ def baseline(model: GaussianProcess, training: xr.Dataset, X: Array) -> Array:
     if grouping is None:
         return chebyshev_interpolation(training, model.inputs_, X, names)
     scaled = grouping.reduced(training, names).assign_coords({axis.name: training[axis.name] for axis in grouping.axes})
-    learnt = chebyshev_interpolation(scaled, grouping.axes, grouping.products.values(X), names)
-    return grouping.scales(names).untransform(learnt, X)
+    learnt = chebyshev_interpolation(scaled, grouping.axes, grouping.axis_values(X), names)
+    return Scales(grouping, names).untransform(learnt, X)
 
 
 def contracted(tensor: Array, rows: Sequence[Array]) -> Array:
