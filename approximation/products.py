@@ -41,11 +41,7 @@ def derivatives(t: Array, T: Array) -> Array:
 
 
 def product(degrees: Indices, T: Array, S: Array | None = None, derived: int = -1) -> Array:
-    """Return products of polynomials that are known, (m, B).
-
-    degrees: (m, d); T: (count, d, B), the polynomials of every coordinate; S: (count, d, B), their derivatives; None
-    where none is asked for.
-    """
+    """Return products, (m, B), of degrees (m, d) of polynomials T, (count, d, B), one of them in its derivative S."""
     whole = np.ones((len(degrees), T.shape[2]))
     for k, degree in enumerate(degrees.T):
         if S is not None and k == derived:

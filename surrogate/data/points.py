@@ -105,19 +105,13 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
 
 
 def outside(X: Array, inputs: Sequence[Input]) -> Flags:
-    """Return which entries lie outside the box, shape (n, d); NaN counts as outside.
-
-    X: (n, d), points in physical units.
-    """
+    """Mark the entries of physical points X, (n, d), that lie outside the box, (n, d); NaN counts as outside."""
     low, high = _margins(tuple(inputs))
     return np.asarray(~((low <= X) & (high >= X)))
 
 
 def require_inside(X: Array, inputs: Sequence[Input]) -> None:
-    """Raise OutOfBoxError, naming input, value and allowed range, unless all points lie in the box.
-
-    X: (n, d), points in physical units.
-    """
+    """Raise OutOfBoxError, with input, value and allowed range, unless physical points X, (n, d), lie in the box."""
     wrong = outside(X, inputs)
     if wrong.any():
         row, column = np.argwhere(wrong)[0]

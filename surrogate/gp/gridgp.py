@@ -30,10 +30,7 @@ COARSE = 25
 
 
 def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
-    """Return leave-one-level-out errors and their variances.
-
-    grams: (p, n, n); result: (p, n).
-    """
+    """Return leave-one-level-out errors, (p, n), and their variances, (n,), from Gram matrices (p, n, n)."""
     inverse, diagonal = factor.inverse()
     squares = np.einsum("pij,ij->pi", inverse @ grams, inverse)
     # a constant or exactly reproduced output has no error: rounding keeps its logarithm finite
@@ -45,9 +42,7 @@ def most_predictive(levels: int, grams: Array) -> Factor:
     """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
 
     The kernel has unit variance averaged over the levels, as the standardised outputs have, so that its decay follows
-    the size of the errors: the mean hardly depends on it. A search follows the best of some steps.
-
-    grams: (p, n, n), C C^T of every output along the factor.
+    the size of the errors: the mean hardly depends on it. `grams` are C C^T of every output along it, (p, n, n).
     """
 
     def cost(logarithm: float) -> float:
@@ -68,9 +63,8 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
     """Return the amplitude of every factor and output, (d, p), and the variance of every output, (p,).
 
     The mean does not depend on either. With standardised outputs, prior variance averaged over the levels is 1, and the
-    amplitude of a factor makes its leave-one-level-out errors as large as predicted.
-
-    grams: sequence of ndarray, shape (p, n, n), C C^T of every output along each factor.
+    amplitude of a factor makes its leave-one-level-out errors as large as predicted. `grams` are C C^T of every output
+    along each factor, (p, n, n).
     """
     outputs = len(grams[0])
     ratios, sizes = np.empty((len(factors), outputs)), np.empty(len(factors))
@@ -359,13 +353,11 @@ def unit_variance(
     weights: Array,
     slope: tuple[int, Features] | None = None,
 ) -> Array:
-    """Return the posterior variance at unit process variance, (p, B), its parts weighted by (d, p).
+    """Return the variance at unit process variance, (p, B), by amplitudes and weights of its parts, (d, p) each.
 
     prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
     q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
     that with the slopes of one factor in place of its features it is the variance of the derivative.
-
-    amplitudes: (d, p); weights: (d, p).
     """
     shape = (amplitudes.shape[1], len(features[0].prior))
     unknown, known = np.zeros(shape), np.ones(shape)
@@ -382,11 +374,9 @@ def unit_variance(
 
 
 def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
-    """Standardise one output and take its coefficients in the factors' bases.
+    """Standardise an output (n_1, ..., n_d): return its coefficients in the factors' bases, its mean and its deviation.
 
-    values: (n_1, ..., n_d), the output; bases: sequence of ndarray, shape (n_f, n_f), orthonormal columns of every
-    factor; grams: sequence of ndarray, shape (n_f, n_f), into which the coefficients' products along every factor
-    are written; result: (n_1, ..., n_d).
+    The coefficients' products along every factor are written into `grams`, (n_f, n_f).
     """
     offset = float(values.mean())
     residual: Any = values - offset
@@ -401,11 +391,7 @@ def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) 
 
 
 def significant(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
-    """Drop the highest modes of every factor, as long as their sum of squares stays small.
-
-    coefficients: (n_1, ..., n_d), of one output; grams: sequence of ndarray, shape (n_f, n_f), their products along
-    every factor.
-    """
+    """Drop the highest modes of every factor, as long as their squares, which Gram matrices tell, add up to little."""
     sizes = []
     for gram in grams:
         tail = np.cumsum(np.diag(gram)[::-1])[::-1]

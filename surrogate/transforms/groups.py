@@ -237,10 +237,7 @@ class Scales:
         return np.asarray(self.coefficients[:, None] * _steepness(X, self.added)[:, None])
 
     def transform(self, values: Array, X: Array) -> Array:
-        """Return what is to be learnt of outputs, (p, n).
-
-        values: (p, n), the outputs in their units; X: (n, d), points in physical units.
-        """
+        """Return what is to be learnt of outputs, (p, n), in their units, at physical points X, (n, d): (p, n)."""
         learnt = values / self.values(X)
         for k, sign in self._logarithms:
             if (learnt[k] * sign <= 0).any():
@@ -252,20 +249,14 @@ class Scales:
         return np.asarray(learnt - self.additions(X))
 
     def untransform(self, learnt: Array, X: Array) -> Array:
-        """Return the outputs of what is learnt, (p, n): the inverse of `transform`.
-
-        learnt: (p, n); X: (n, d), points in physical units.
-        """
+        """Return the outputs of what is learnt, (p, n), at physical points X, (n, d): the inverse of `transform`."""
         outputs = learnt + self.additions(X)
         for k, sign in self._logarithms:
             outputs[k] = sign * np.exp(sign * outputs[k])
         return np.asarray(outputs * self.values(X))
 
     def sizes(self, X: Array, mean: Array) -> Array:
-        """Return what errors of learnt outputs are multiplied by, (p, n): their scale, or the output of a logarithm.
-
-        X: (n, d); mean: (p, n).
-        """
+        """Return what errors at points X, (n, d), are multiplied by, (p, n): the scale, or a logarithm's output."""
         return np.asarray(np.where(self.signs[:, None] == 0, self.values(X), np.abs(mean)))
 
     def _logarithm(self, X: Array, rows: Array) -> Array:
