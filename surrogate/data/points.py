@@ -89,7 +89,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
         )
     X = np.empty((*shape, len(names)))
     for k, (name, array) in enumerate(arrays.items()):
-        X[..., k] = array.variable.set_dims(sizes).values
+        X[..., k] = array.variable.set_dims(sizes).values  # type: ignore[no-untyped-call]
         bad = ~np.isfinite(array.values)
         if bad.any():
             where = int(np.count_nonzero(~np.isfinite(X[..., k])))

@@ -153,7 +153,8 @@ class Grouping:
         for name in outputs:
             variable = dataset[name].variable
             dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
-            array, *factors = (source.set_dims(dims).values for source in (variable, *columns))
+            whole = [source.set_dims(dims) for source in (variable, *columns)]  # type: ignore[no-untyped-call]
+            array, *factors = (part.values for part in whole)
             X = np.stack([column.ravel() for column in factors], axis=1)
             learnt = Scales(self, [name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
             arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs
