@@ -187,20 +187,22 @@ class GridGP(GaussianProcess):
     def _coefficients(self, data: Factorial) -> tuple[list[Array], list[Array]]:
         """Standardise every output and take it to the factors' bases.
 
-        Returns the significant coefficients of every output, and for every factor the Gram matrices of the
-        coefficients along it, (p, n, n), a case at a level.
+        Returns the coefficients of every output, without the highest modes of a factor as long as the sum of their
+        squares stays small, and the Gram matrices of all along every factor, (p, n, n), a case at a level.
         """
         bases = [cosine_basis(len(levels))[0] for levels in data.levels]
         self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
         grams = [np.empty((len(data.outputs), *basis.shape)) for basis in bases]
-        significant_coefficients = []
+        significant = []
         for p, values in enumerate(data.outputs.values()):
             output_grams = [gram[p] for gram in grams]
             coefficients, self.offset_[p], self.scale_[p] = standardised(values, bases, output_grams)
-            significant_coefficients.append(significant(coefficients, output_grams, self._allowed() / len(bases)))
+            tails = [np.cumsum(np.diag(gram)[::-1])[::-1] for gram in output_grams]
+            sizes = [max(1, int(np.count_nonzero(tail > self._allowed() / len(bases)))) for tail in tails]
+            significant.append(coefficients[tuple(map(slice, sizes))].copy())
         for gram in grams:
             gram /= self._places() / gram.shape[1]
-        return significant_coefficients, grams
+        return significant, grams
 
     def _places(self) -> int:
         """Number of places of the grid."""
@@ -334,43 +336,28 @@ class GridGP(GaussianProcess):
         return np.stack([self._variance(features, weights, (k, slope)) for k, slope in enumerate(slopes)])
 
     def _variance(self, features: list[Features], weights: Array, slope: tuple[int, Features] | None = None) -> Array:
-        """Return the weighted variance, (p, B), of the means, or of their slopes along a factor."""
-        return unit_variance(self.amplitude_, features, weights, slope) * self._size[:, None]
+        """Return the variance, (p, B), of the means, or of their slopes along a factor, its parts weighted by (d, p).
 
-    @property
-    def _size(self) -> Array:
-        """Variance of the process of every output in its units squared, (p,)."""
-        return np.asarray(self.variance_ * self.scale_**2)
+        prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
+        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
+        that with the slopes of one factor in place of its features it is the variance of the derivative.
+        """
+        shape = (len(self.outputs_), len(features[0].prior))
+        unknown, known = np.zeros(shape), np.ones(shape)
+        for f, (amplitude, weight) in enumerate(zip(self.amplitude_, weights, strict=True)):
+            derived = slope is not None and slope[0] == f
+            feature = slope[1] if slope is not None and derived else features[f]
+            k = amplitude[:, None] * feature.prior + (0.0 if derived else 1.0)
+            r = amplitude[:, None] * feature.residual
+            unknown *= k
+            unknown += known * r * weight[:, None]
+            k -= r
+            known *= k
+        return np.asarray(unknown * (self.variance_ * self.scale_**2)[:, None])
 
     def _features(self, t: Array, slopes: bool = False) -> list[Features]:
         modes = dict(zip(self.order_, self.train_.modes, strict=True))
         return [(f.slopes if slopes else f.features)(t[k], modes[k]) for k, f in enumerate(self.factors_)]
-
-
-def unit_variance(
-    amplitudes: Array,
-    features: Sequence[Features],
-    weights: Array,
-    slope: tuple[int, Features] | None = None,
-) -> Array:
-    """Return the variance at unit process variance, (p, B), by amplitudes and weights of its parts, (d, p) each.
-
-    prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
-    q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
-    that with the slopes of one factor in place of its features it is the variance of the derivative.
-    """
-    shape = (amplitudes.shape[1], len(features[0].prior))
-    unknown, known = np.zeros(shape), np.ones(shape)
-    for f, (amplitude, weight) in enumerate(zip(amplitudes, weights, strict=True)):
-        derived = slope is not None and slope[0] == f
-        feature = slope[1] if slope is not None and derived else features[f]
-        k = amplitude[:, None] * feature.prior + (0.0 if derived else 1.0)
-        r = amplitude[:, None] * feature.residual
-        unknown *= k
-        unknown += known * r * weight[:, None]
-        k -= r
-        known *= k
-    return unknown
 
 
 def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
@@ -388,15 +375,6 @@ def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) 
         gram[...] = residual.T @ residual
         scale = 1.0
     return residual.reshape(values.shape), offset, spread if spread > 0 else 1.0
-
-
-def significant(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
-    """Drop the highest modes of every factor, as long as their squares, which Gram matrices tell, add up to little."""
-    sizes = []
-    for gram in grams:
-        tail = np.cumsum(np.diag(gram)[::-1])[::-1]
-        sizes.append(max(1, int(np.count_nonzero(tail > allowed))))
-    return coefficients[tuple(map(slice, sizes))].copy()
 
 
 def joined(coefficients: Sequence[Array]) -> tuple[tuple[int, ...], Array]:

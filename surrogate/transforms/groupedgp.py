@@ -148,8 +148,11 @@ class GroupedGP(Transformed):
     def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
         return {"reduced": outputs}
 
-    def _unchanged(self) -> set[str]:
-        return {name for name, scaling in self.grouping.scalings.items() if scaling == Scaling()}
+    @override
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return the model with root-mean-square errors of outputs that are learnt as they are; others keep theirs."""
+        plain = {name: error for name, error in errors.items() if self.grouping.scalings.get(name) == Scaling()}
+        return self.over({"reduced": self.reduced_.thinned(plain)}) if plain else self
 
     def state(self) -> xr.Dataset:
         """Return the groups; the process over the axes stands beside them, as `reduced`."""

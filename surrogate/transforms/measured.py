@@ -202,9 +202,6 @@ class CorrectedGP(Transformed):
         """Return the model itself: its constants are those of all outputs that were measured."""
         return self
 
-    def _unchanged(self) -> set[str]:
-        return set(self.outputs_)
-
     @property
     def calibrated(self) -> bool:
         """Return True if the intervals rest on held-out cases of the nominal model too."""
