@@ -51,14 +51,8 @@ def test_cells_with_units_and_printed_numbers_are_read(
     assert [column.tolist() for column in table.columns.values()] == expected
 
 
-WAYS = [
-    "thickness [um],force [N]",
-    "thickness (um),force (N)",
-    '"thickness, um","force, N"',
-    "thickness / um,force / N",
-]
-WAYS += ["thickness_um,force_N", "thickness in um,force in N", "Thickness [µm],Force [N]", "thickness,force\num,N"]
-WAYS += ["thickness,force\n[um],[N]", "thickness um,force N", "sep=,\nthickness [μm],force", "thickness [um],force,"]
+WAYS = ["thickness [um],force [N]", "thickness (um),force (N)", "thickness / um,force / N", "thickness_um,force_N"]
+WAYS += ["Thickness [µm],Force [N]", "thickness,force\num,N", "thickness,force\n[um],[N]", "thickness [um],force,"]
 
 
 @pytest.mark.parametrize("header", WAYS)
@@ -80,7 +74,7 @@ def test_quotes_blanks_and_lines_of_other_programs_are_read(tmp_path: Path) -> N
     assert table.empty("radius").tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
 @pytest.mark.parametrize(("separator", "mark"), [(";", ","), ("\t", ","), (";", "."), ("\t", "."), (",", ".")])
 def test_tables_of_spreadsheets_are_read(encoding: str, separator: str, mark: str, tmp_path: Path) -> None:
     rows = [["material", "thickness [µm]", "radius"], ["PZT-4", f"20{mark}5", f'"{mark}05"'], ["", "", f"5{mark}5 mm"]]
@@ -92,21 +86,12 @@ def test_tables_of_spreadsheets_are_read(encoding: str, separator: str, mark: st
     np.testing.assert_array_equal(columns["radius"], [0.05, 5.5e-3])
 
 
-@pytest.mark.parametrize(("column", "other"), [("radius", "0.05"), ("material", "PZT-4")])
-def test_words_for_missing_values_are_refused(column: str, other: str, command: Command) -> None:
-    words = ["NA", "N/A", "n.a.", "nan", "NaN", "null", "None", "-", "--", "–", "n.d.", "?"]
-    for word in words + ["-9999"] * (column == "radius"):
-        path = command.file("cases.csv", f"{column}\n{other}\n{word}\n")
-        with pytest.raises(InputError, match=r"line 3: .* stands for a missing value; leave the cell empty"):
-            read_cases(path)
-
-
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
         (b"", "needs a header of factor names and at least one case"),
         (b"load\n", "needs a header of factor names and at least one case"),
-        (b"radius [mm,load\n1,1\n", "column 'radius': '[mm' is not a unit"),
+        (b"radius [mm,load\n1,1\n", "column 'radius [mm': unknown factor"),
         (b"radius [ells]\n1\n", "column 'radius': 'ells' is not a unit"),
         (b"radius [Pa]\n1\n", "column 'radius': unit mismatch: 'Pa' does not measure what 'm' measures"),
         (b"radius [m],radius [mm]\n1,1\n", "column 'radius': given twice"),
@@ -123,23 +108,18 @@ def test_words_for_missing_values_are_refused(column: str, other: str, command: 
         (b"load\n1" + b"," * 60_000 + b"1\n", "line 2: 60001 cells, the header has 1"),
         (b"load\n" + b"1\n" * 21, "line 22: more than 20 cases; split the table"),
         (b"load\n" + b"\n" * 90, "more than 80 lines"),
-        (b"PK\x03\x04\x14\x00", "is a workbook (Excel .xlsx"),
-        (b"\xd0\xcf\x11\xe0\xa1\xb1", "is an Excel workbook (.xls)"),
-        (b"<!DOCTYPE html><table>", "is a page of HTML"),
-        (b"%PDF-1.7", "is a PDF"),
+        (b"PK\x03\x04\x14\x00", "is no text file"),
+        (b"load\n1e5\nNA\n", "line 3: load: 'NA' is not a finite number > 0"),
         (b"radius\n\x00\x01\x02", "is no text file"),
-        (b"radius\n\x81\x8d\n", "encoding: is neither UTF-8 nor UTF-16"),
-        (b"radius|load\n1|2\n", "separator: columns are separated by '|'"),
-        (b"radius  load\n0.1  2\n", "separator: columns are separated by '  '"),
-        (b"0.05,1e5\n", "has no header"),
-        (b"My table\nradius,load\n0.05,1e5\n", "the header is line 2"),
+        (b"radius\n\x81\x8d\n", "not a CSV table in UTF-8"),
+        (b"radius|load\n1|2\n", "column 'radius|load': unknown factor"),
+        (b"0.05,1e5\n", "column '0.05': unknown factor"),
         (b"radius [mm],lod [kN/m]\n1,1\n", "column 'lod [kN/m]': unknown factor; did you mean 'load [kN/m]'?"),
         (b"radius [mm],zzz [kg]\n1,1\n", "column 'zzz [kg]': unknown factor; all names: meecontact list factors"),
-        (b"radius,load\n0,05,1e5\n", "3 cells, the header has 2; a decimal comma?"),
-        (b'radius,load\n"0,05",1e5\n', "has a decimal comma in a table with commas"),
-        (b"radius;load\n1.000,5;1e5\n", "groups its digits"),
-        ("radius [mm]\n5 ± 0.1\n".encode(), "has an error behind it"),
-        (b"", "cases.csv: is empty: needs a header"),
+        (b"radius,load\n0,05,1e5\n", "3 cells, the header has 2 (columns are separated by commas)"),
+        (b'radius,load\n"0,05",1e5\n', "'0,05': the decimal mark of this table is '.'; do not group digits"),
+        (b"radius;load\n1.000,5;1e5\n", "do not group digits"),
+        (b"radius;load\n1,5;1.000\n", "the decimal mark of this table is ','"),
         (b"thickness\n100\n", "100 is 100 m; did you mean 100 um?"),
         (b"radius\n50\n", "50 is 50 m; did you mean 50 mm?"),
         (b"base_modulus\n200\n", "200 is 200 Pa; did you mean 200 GPa?"),

@@ -3,7 +3,6 @@
 import io
 import logging
 import re
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import pytest
 from solver.names import ALL_QUANTITIES
 from tests.programs import Command
 from workflow.cli import studies
-from workflow.cli.progress import Progress, busy, followed, step
+from workflow.cli.progress import Progress, busy, step
 from workflow.run.provenance import ROOT
 from workflow.study.model import load
 from workflow.study.reading import InputError, read_yaml
@@ -135,10 +134,3 @@ def test_only_a_terminal_sees_the_present_step(
         pass
     clear = "\r\x1b[K"
     assert terminal.getvalue() == f"{clear}searching ...{clear}"
-
-
-def test_snakemakes_line_about_its_options_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
-    with followed(load("config/quickstart.yaml"), io.StringIO()):
-        print("Using workflow specific profile /somewhere for setting default command line arguments.", file=sys.stderr)
-        print("Error: what a reader needs", file=sys.stderr)
-    assert capsys.readouterr().err == "Error: what a reader needs\n"

@@ -131,9 +131,9 @@ def test_a_limit_counts_its_largest_use_and_an_objective_its_least() -> None:
     assert upper.oriented(4.0) == pytest.approx(1.0)  # excess over the bound, relative
     assert upper.weights(values[0]).tolist() == [0, 1, 0, 0]
     assert upper.deciding(values[0]).tolist() == [False, True, False, False]
-    goal = Term("voltage", parse("voltage"), 1.0, measure(statistics.Worst(), 1.0))
+    goal = Term("voltage", parse("voltage"), 1.0, measure(statistics.Statistic(None), 1.0))
     assert goal.counted(values) == [1.0]
-    mean = replace(goal, measure=measure(statistics.Mean(1.0), 1.0))
+    mean = replace(goal, measure=measure(statistics.Statistic(1.0), 1.0))
     assert mean.counted(values) == pytest.approx([1.0])  # the lesser of 2.5 - 1.5 and 2.5 - 0.5, groups of two draws
 
 

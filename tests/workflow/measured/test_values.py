@@ -1,6 +1,7 @@
 """Every value of the model against closed formulas and published digits, with constants that stand here."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -11,7 +12,7 @@ from docs import measurements
 from storage.netcdf import read_whole, write_whole
 from tests.studies import edited, refusal
 from workflow.measured import comparison
-from workflow.measured.comparison import AGREES_WITHIN, Row, Spread, compared, dataset, judged, modelled
+from workflow.measured.comparison import AGREES_WITHIN, Row, Spread, compared, dataset, judged, modelled, valued
 from workflow.report import sentences
 from workflow.report.figures import measured_rows
 from workflow.study.reading import InputError
@@ -107,6 +108,13 @@ def spread(value: float, deviation: float = 0.0) -> Spread:
     return Spread(value * 1e-12, deviation * 1e-12, 1)
 
 
+def told(measured: Measurement, model: list[Spread], rivals: Sequence[Spread] = ()) -> tuple[str, str]:
+    """The verdict on a row by values of the model and of rivals."""
+    pairs = (zip(measured.model, model, strict=True), zip(measured.rivals, rivals, strict=True))
+    parts = [[valued(measured, entry, value) for entry, value in part] for part in pairs]
+    return judged(measured, *parts)
+
+
 @pytest.mark.parametrize(
     ("changed", "modelled", "word"),
     [
@@ -123,17 +131,19 @@ def spread(value: float, deviation: float = 0.0) -> Spread:
     ],
 )
 def test_two_standard_deviations_decide(changed: dict[str, Any], modelled: Spread, word: str) -> None:
-    assert judged(row(**changed), [modelled]).word == word
+    assert told(row(**changed), [modelled])[0] == word
 
 
 def test_a_verdict_has_its_deviations_and_its_reason() -> None:
     assert AGREES_WITHIN == 2
-    assert judged(row(), [spread(20.0, 4.0)]).deviations == pytest.approx((2.0,))  # 10 over the root of 9 and 16
-    assert "10 % off" in judged(row(error=None), [spread(11.0)]).because
-    assert judged(row(open="no constants", model=[]), []).deviations == ()
+    measured = row()
+    # 10 over the root of 9 and 16
+    assert valued(measured, measured.model[0], spread(20.0, 4.0))["off"] == pytest.approx(2.0)
+    assert "10 % off" in told(row(error=None), [spread(11.0)])[1]
+    assert judged(row(open="no constants", model=[]), []) == ("cannot be told", "no constants")
     rival = [D33, {"quantity": "clamped_d33", "case": {"material": "PZT-4"}}]
-    verdict = judged(row(rivals=rival), [spread(10.0)], [spread(30.0), spread(12.0)])
-    assert verdict.because.endswith("; free d33 does not fit; clamped d33 fits too")
+    because = told(row(rivals=rival), [spread(10.0)], [spread(30.0), spread(12.0)])[1]
+    assert because.endswith("; free d33 does not fit; clamped d33 fits too")
 
 
 @pytest.mark.parametrize(
