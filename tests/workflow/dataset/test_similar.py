@@ -10,6 +10,7 @@ import pytest
 
 import solver
 from solver import FactorError
+from surrogate.transforms.groups import Scales
 from tests.studies import made
 from workflow.dataset import effects, factorial
 from workflow.study import representatives
@@ -52,13 +53,13 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     case = {"thickness": 2.3e-4, "radius": 0.08, "load": 2.2e4, "charge": 1.7e-6}
     grouping = factorial.grouping(study)
     X = np.array([[case[name] for name in study.factors]])
-    axes = dict(zip(study.axes, grouping.products.values(X)[0][:, None], strict=True))
+    axes = dict(zip(study.axes, grouping.axis_values(X)[0][:, None], strict=True))
     stored, true = (factorial.training_data(study, factorial.exact(study, place)) for place in (axes, case))
     factors = representatives.factors(study, axes)
     near = np.array([[np.asarray(factors[name]).item() for name in study.factors]])
     assert near[0, 0] == pytest.approx(np.sqrt(2e-4 * 1e-3))
     values = np.array([[stored[name].item()] for name in study.output_names])
-    scales = grouping.scales(study.output_names)
+    scales = Scales(grouping, study.output_names)
     followed = scales.untransform(scales.transform(values, near), X)
     for name, value in zip(study.output_names, followed[:, 0], strict=True):
         assert value == pytest.approx(true[name].item(), rel=1e-7), name
