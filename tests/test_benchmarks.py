@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import benchmarks.__main__ as runner
-from benchmarks import asked, rivals, scattered, surrogates
+from benchmarks import rivals, scattered, surrogates
 from surrogate.gp import scattergp
 
 
@@ -61,15 +61,6 @@ def test_the_comparison_on_scattered_cases_is_with_the_truth_and_tells_who_is_mi
     assert 1e-4 < by_measure["root-mean-square error over range"] < 0.007
     assert 0.92 < by_measure["coverage"] < 0.98
     assert "left out, as not installed here: another" in capsys.readouterr().out
-
-
-def test_the_yardstick_of_tables_is_the_same_contact() -> None:
-    fraction, random = np.linspace(0.1, 0.9, 5).repeat(10), np.random.default_rng(0)
-    ours, plain = asked.half_planes(fraction, {name: random.uniform(*ends, 50) for name, ends in asked.BOX.items()})
-    exact, written = ours(), plain()
-    assert set(written) == set(exact.data_vars)
-    for name, values in written.items():
-        np.testing.assert_allclose(np.broadcast_to(values, 50), exact[name], rtol=1e-10, err_msg=name)
 
 
 def test_the_runner_writes_whole_files_and_refuses_unknown_names(

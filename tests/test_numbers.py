@@ -14,7 +14,8 @@ from scipy.interpolate import CubicSpline
 
 import solver
 from solver.arrays import Array
-from solver.face.heat import charged_area, responses, stack_of
+from solver.face.filmbodies import stack_of
+from solver.face.heat import charged_area, responses
 from solver.halfplane.profile import Profile
 from solver.heat.charge import film_coefficient, film_gap
 from solver.heat.touch import Shape, Spot
