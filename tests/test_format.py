@@ -72,17 +72,6 @@ def test_the_reader_agrees_with_the_program(kind: str, files: dict[str, Path]) -
             np.testing.assert_allclose(values, expected[part][..., p], rtol=rtol, atol=1e-12 * size, err_msg=name)
 
 
-def test_every_variable_of_the_files_is_specified(files: dict[str, Path]) -> None:
-    names = set()
-    for path in files.values():
-        with netCDF4.Dataset(path) as file:
-            plain = [name.removeprefix("reduced_") for name in file.variables]
-            names |= {re.sub(r"^(levels|core)_\d+$", r"\1_", name) for name in plain}
-    assert len(names) > 30
-    words = set(re.findall(r"\b[a-z][a-z_]+[a-z_]\b", PAGE))
-    assert {name for name in names if name not in words and f"`{name}" not in PAGE} == set()
-
-
 def test_the_example_by_hand_is_the_file_s(files: dict[str, Path]) -> None:
     rows = {
         head: [float(number) for number in row.split(", ")]

@@ -105,7 +105,7 @@ TEXTS: dict[str, tuple[str, str, tuple[str, ...]]] = {
 
 
 @pytest.mark.parametrize("kind", TEXTS)
-@spoiling(12, 2000)
+@spoiling(8, 2000)
 @given(data=st.data())
 def test_spoilt_texts(kind: str, data: st.DataObject, place: Path) -> None:
     valid, file, words = TEXTS[kind]
@@ -124,7 +124,7 @@ def test_studies(content: bytes, place: Path) -> None:
     assert not (place / hostile.CANARY).exists()
 
 
-@spoiling(20, 500)
+@spoiling(6, 500)
 @given(name=st.one_of(st.text(max_size=30), st.sampled_from(hostile.PAYLOADS)))
 def test_names_of_studies(name: str, place: Path) -> None:
     (place / "outside.yaml").write_text(hostile.STUDY, encoding="utf-8")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.faults.conftest import NOT_COMPARED
+from tests.faults.conftest import contents
 from tests.slurm.one_node import cluster, missing
 from tests.workflow.conftest import Copy, Project, copy
 from workflow.run.provenance import ROOT
@@ -16,26 +16,16 @@ __all__ = ["copy"]
 pytestmark = pytest.mark.slurm
 
 
-def data(project: Project) -> dict[str, bytes]:
-    """Bytes of the quickstart's files but for those that hold measured times."""
-    results = project.folder / "results/quickstart"
-    files = [file for file in results.rglob("*") if file.is_file() and file.name not in NOT_COMPARED]
-    return {str(file.relative_to(results)): file.read_bytes() for file in files}
-
-
 @pytest.mark.skipif(bool(missing()), reason=missing() or "Slurm can be started")
 def test_slurm_and_a_local_run_give_the_same_bytes(copy: Copy, tmp_path: Path) -> None:
     local, remote = Project(ROOT), copy("remote")
     local.run("meecontact", "run", "quickstart")  # nothing where `make run` has done it
-    expected = data(local)
-    for part in (
-        "results/ball",
-        ".snakemake/metadata",
-    ):  # the study that opens the page: its jobs are of the same kinds
+    expected = contents(local, "quickstart")
+    for part in ("results/ball", ".snakemake/metadata"):  # the study that opens the page: jobs of the same kinds
         shutil.copytree(ROOT / part, remote.folder / part)
     with cluster(tmp_path / "slurm"):
         remote.run("meecontact", "run", "quickstart", "--profile", "slurm", cold=True)
         jobs = subprocess.run(["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True).stdout
     assert jobs.count("JobState=COMPLETED") > 8  # it did go there
     assert len(expected) > 12
-    assert data(remote) == expected
+    assert contents(remote, "quickstart") == expected

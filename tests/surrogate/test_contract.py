@@ -27,9 +27,11 @@ def grid() -> GridGP:
     return GridGP(functions.INPUTS).fit(data.assign(flat=((), 3.0), small=1e-12 * data["smooth"]))
 
 
-def scattered(count: int) -> ScatterGP:
-    cases = functions.scattered(count, seed=0)[["mixture", "size", "ratio", "no_bias"]]
-    return ScatterGP([functions.INPUTS[0], functions.INPUTS[2]]).fit(cases)
+def scattered() -> ScatterGP:
+    train, held = (
+        functions.scattered(count, seed)[["mixture", "size", "ratio", "no_bias"]] for count, seed in ((30, 0), (200, 1))
+    )
+    return ScatterGP([functions.INPUTS[0], functions.INPUTS[2]]).fit(train).calibrate(held)
 
 
 def calibrated() -> GaussianProcess:
@@ -43,22 +45,18 @@ def calibrated() -> GaussianProcess:
 MODELS: dict[str, Callable[[], GaussianProcess]] = {
     "grid": grid,
     "calibrated": calibrated,
-    "scattered": lambda: scattered(40),
-    "scattered, calibrated": lambda: scattered(30).calibrate(functions.scattered(200, seed=1)),
+    "scattered": scattered,
     "grouped": lambda: (
         GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2)).calibrate(grouped.cases(300, 11, 0.2, to_ends=300))
     ),
-    "curves": curved.fitted,
-    "curves over groups": curved.fitted_over_groups,
+    "curves": curved.fitted_over_groups,
     "corrected": lambda: test_learning.corrected(
         test_learning.learnt(test_learning.DEVICE.rows()), test_learning.DEVICE.rows()
     ),
 }
 each_model = pytest.mark.parametrize("name", MODELS)
-#: Of derivatives against differences, where they are less exact than 1e-5.
-SLOPES = {"curves": 2e-5, "curves over groups": 2e-5}
 #: Of a part's means, over the output's spread, where they are compressed otherwise than the whole's.
-PARTS = {"grouped": 1e-8, "curves": 1e-7, "curves over groups": 1e-7}
+PARTS = {"grouped": 1e-8, "curves": 1e-7}
 
 
 @cache
@@ -128,7 +126,7 @@ def assert_slopes(model: GaussianProcess, X: Array, rtol: float) -> None:
 def test_derivatives_are_differences_of_the_means(name: str) -> None:
     """Grids: an output that depends on every input, since a derivative that is zero leaves rounding."""
     model = fitted(name).only(["mixed"]) if name in ("grid", "calibrated") else fitted(name)
-    assert_slopes(model, inside(model.inputs_, 5), rtol=SLOPES.get(name, 1e-5))
+    assert_slopes(model, inside(model.inputs_, 5), rtol=2e-5 if name == "curves" else 1e-5)
 
 
 @each_model
@@ -191,34 +189,22 @@ SPOILT: list[tuple[str, Callable[[xr.Dataset], xr.Dataset], str]] = [
         lambda d: d.assign_attrs(engine="torch"),
         "unknown engine 'torch'; known are grid, scatter, grouped, curv",
     ),
-    ("grid", lambda d: d.assign_attrs(kernel="__import__('os')"), "unknown kernel"),
     ("grid", lambda d: d.drop_vars("amplitude"), "inconsistent"),
     ("grid", lambda d: d.assign(core_0=d["core_0"][..., :1].rename(rank_1="cut")), "core 1 has the shape"),
-    ("grid", lambda d: d.isel(mode_0=slice(2)), "do not come out again"),
-    ("grid", lambda d: d.assign(core_0=d["core_0"].expand_dims("new")), "inconsistent"),
     ("grid", lambda d: d.isel(level_0=slice(1, None)), "Chebyshev-Gauss"),
     ("grid", replaced("core_1", np.nan), "not finite"),
     ("grid", replaced("variance", -1.0), "negative variance"),
     ("grid", replaced("hyperparameter", 1.5), "rho must lie between 0 and 1"),
-    ("grid", replaced("contraction_order", 0), "is no order"),
     ("grid", replaced("scale", "cubic"), "'cubic' is none of linear, log"),
-    ("grid", replaced("low", 1e9), "must be less than high"),
-    ("grid", replaced("probe_mean", 0.0), "do not come out again"),
-    ("grid", replaced("probe_std", 0.0), "do not come out again"),
     ("grid", lambda d: d.assign(core_2=d["core_2"] * 1.0001), "probe_mean do not come out again"),
     ("grid", lambda d: d.assign(variance=d["variance"] * 1.01), "probe_std do not come out again"),
     ("calibrated", lambda d: d.assign(calibration_rank=d.calibration_rank * 0), "ranks .* are not each there once"),
     ("calibrated", lambda d: d.assign(calibration_length=-d.calibration_length), "rows of the calibration do not fit"),
-    ("calibrated", lambda d: d.assign(calibration_rank=d.calibration_rank * 1.0), "rows of the calibration do not fit"),
-    ("calibrated", lambda d: d.drop_vars("calibration_length"), "calibration_length"),
     ("corrected", lambda d: d.assign(measured_output=0 * d.measured_output + 2), "is of no output or no row"),
-    ("corrected", lambda d: d.assign(measured_row=0 * d.measured_row), "an output is measured twice in a row"),
     ("corrected", lambda d: d.assign(draw_noise=0 * d.draw_noise - 1), "inconsistent"),
     ("corrected", lambda d: d.assign(draw_mean=0 * d.draw_mean), "predictions probe_mean do not come out again"),
-    ("corrected", lambda d: d.assign_attrs(effect_engine="corrected"), "unknown engine 'corrected'; known are grid"),
     ("curves", lambda d: d.assign(largest_place=d.largest_place + 9), "from fields that its curves do not have"),
     ("curves", lambda d: d.assign(curve_across_0=d.curve_across_0 + 1), "does not fit their panels"),
-    ("curves", lambda d: d.assign(curve_across_0=d.curve_across_0 * 0), "have panels of"),
     ("curves", lambda d: d.assign(measure_linear_0=("other", np.zeros(3))), "a measure of shapes"),
     ("curves", lambda d: d.assign_attrs(smooth_engine="curves"), "'curves'; known are grid, scatter, grouped"),
 ]

@@ -64,7 +64,7 @@ def model(cases: xr.Dataset) -> CrossGP:
 
 def test_it_is_the_process_of_the_whole_grid(model: CrossGP, grid: xr.Dataset, cases: xr.Dataset) -> None:
     whole = GridGP(inputs=BOX, compression=1e-11).fit(grid)
-    X = np.random.default_rng(0).uniform(size=(300, len(BOX)))
+    X = np.random.default_rng(0).uniform(size=(60, len(BOX)))
     (mean, std), (expected, spread) = model.predict_array(X, return_std=True), whole.predict_array(X, return_std=True)
     np.testing.assert_allclose(mean, expected, atol=1e-7)
     np.testing.assert_allclose(std, spread, rtol=0.02, atol=1e-12)

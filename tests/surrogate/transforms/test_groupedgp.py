@@ -40,7 +40,7 @@ def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedG
     fresh = cases(20_000, 12, 0.2)
     X = np.stack([fresh[input_.name].values for input_ in INPUTS], axis=1)
     true = np.stack([fresh[name].values for name in with_ends.outputs_], axis=1)
-    along = unit_coordinates(GROUPING.axes, GROUPING.products.values(X))
+    along = unit_coordinates(GROUPING.axes, GROUPING.axis_values(X))
     ends = [sign * row > 0.9 for row in along for sign in (1, -1)]
 
     def worst(model: GroupedGP) -> float:

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -53,32 +52,6 @@ def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.M
     data = read_whole(tmp_path / "70.nc")
     assert data["load"].sizes == {"case": 420}
     np.testing.assert_array_equal(data["load"].values[300:], np.tile(np.arange(1.0, 41.0), 3))
-
-
-#: A row of every column that the cases below change.
-ROW = {
-    "composite": "", "volume_fraction": "0.5", "material": "", "radius": "0.05", "friction": "0.1", "load": "1e5",
-    "surroundings": "", "electric": "", "magnetic": "",
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("changed", "says"),
-    [
-        ({"volume_fraction": "1.5"}, "volume_fraction: 1.5 is not a finite number >= 0 and <= 1"),
-        ({"volume_fraction": "", "material": "stel"}, "material: 'stel' is unknown; did you mean 'steel'?"),
-        ({"radius": "-1"}, "radius: -1 is not a finite number > 0"),
-        ({"load": ""}, "load: missing"),
-        ({"radius": "1e300", "load": "1e300"}, "not finite for these factors"),
-        ({"surroundings": "air", "electric": "insulating", "magnetic": "insulating"}, "the punch conducts no field"),
-    ],
-)
-def test_a_row_at_fault_is_named_by_its_line(tmp_path: Path, changed: dict[str, str], says: str) -> None:
-    path = tmp_path / "cases.csv"
-    header, good, bad = (",".join(row) + "\n" for row in (ROW, ROW.values(), (ROW | changed).values()))
-    path.write_text(header + "\n" + good * 9 + bad + good * 9 + bad, encoding="utf-8")
-    with pytest.raises(InputError, match=rf"^{path}: line 12: .*{re.escape(says)}"):
-        case_solver.solved(read_cases(path), solve)
 
 
 def test_long_tables_take_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:

@@ -96,38 +96,6 @@ def test_the_compliance_of_a_material_has_the_solver_s_numbers(command: Command)
     np.testing.assert_allclose(values, [*half.compliance, half.friction_coupling], rtol=5e-6)
 
 
-GOOD = "c11: 1e11\nc13: 5e10\nc33: 1e11\nc44: 1e10\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        (EVIDENCE.replace("27 MPa", "27 MV"), "limits: tensile_strength: value: '27 MV': unit mismatch: 'MV' does not"),
-        (EVIDENCE.replace("c44: 25 GPa", "c44: 25 GV"), "alternatives: 1: c44: '25 GV': unit mismatch"),
-        (EVIDENCE.replace("{c44: 25 GPa", "[c44"), "not valid YAML"),
-        ("c11: 115 GPas\n", "m: c11: 'GPas' is not a unit"),
-        ("c11: 115 GV\n", "m: c11: '115 GV': unit mismatch: 'GV' does not measure what 'Pa' measures"),
-        ("c11: 1e308 GPa\n", "m: c11: '1e308 GPa' is not a finite number [Pa]"),
-        ("c11: '115e9'\n", "m: c11: '115e9' is not a finite number [Pa], nor one with its unit"),
-        (f"c11: {'1' * 2000} GPa\n", "11' is not a finite number [Pa]"),
-        (GOOD.replace("1e10", "abc"), "c44: 'abc' is not a finite number [Pa]"),
-        ("s11: 16.4 m2/N\n", "m: s11: 16.4 Pa-1 is of a size that no material has; did you mean 16.4e-12 m2/N?"),
-        ("s11:\n", "m: s11: empty is not a finite number [Pa-1]"),
-        ("s11E: 16e-12\ns12: 1\n", "s11E: unknown entry; did you mean s11?"),
-        ("d33: 3 pC/N\nK33T: 1700\n", "K33T: unknown entry; did you mean eps_r33?"),
-        ("c33D: 1e11\n", "c33D: unknown entry; did you mean c33, which is at constant electric field?"),
-        ("Y11: 61 GPa\ndensity: 7700\n", "Y11: unknown entry; did you mean s11, which is 1/Y?"),
-        ("density: 7700\n", "density: unknown entry; did you mean rho?"),
-        ("- 1\n", "not a mapping"),
-    ],
-)
-def test_bad_materials_are_refused(command: Command, text: str, expected: str) -> None:
-    path = command.file("m.yaml", text)
-    refusal = command.refused("material", path)
-    assert refusal.startswith(f"meecontact: {path}: ")
-    assert expected in refusal
-
-
 def plain(text: str) -> str:
     """A printed value as a file may hold it."""
     powers = re.sub("×10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", lambda power: "e" + power[1].translate(LOWERED), text.replace("−", "-"))

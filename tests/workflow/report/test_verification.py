@@ -66,14 +66,16 @@ def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
     assert not (results / "verdict.txt").exists()
 
 
-def test_the_verdict_counts(tmp_path: Path) -> None:
-    file = tmp_path / "group.json"
-    rows = [{"name": "a", "error": None, "tolerance": 1.0, "passed": False}, {"name": "b", "passed": True}]
-    file.write_text(json.dumps({"checks": rows[1:]}), encoding="utf-8")
-    assert verdict([file]) == "1 checks, all green\n"
-    file.write_text(json.dumps({"checks": rows}), encoding="utf-8")
-    with pytest.raises(RedError, match=r"1 of 2 checks are red: a \(None > 1.0\)"):
-        verdict([file])
-    file.write_text(json.dumps({"checks": []}), encoding="utf-8")
-    with pytest.raises(RedError, match="0 of 0"):
-        verdict([file])
+@pytest.mark.parametrize(
+    ("checks", "message"),
+    [
+        ([{"name": "a", "error": None, "tolerance": 1.0, "passed": False}], r"1 of 1 checks are red: a \(None > 1.0\)"),
+        ([], "0 of 0"),
+    ],
+)
+def test_an_error_that_is_no_number_and_no_check_at_all_are_red(
+    checks: list[dict[str, object]], message: str, tmp_path: Path
+) -> None:
+    (tmp_path / "group.json").write_text(json.dumps({"checks": checks}), encoding="utf-8")
+    with pytest.raises(RedError, match=message):
+        verdict([tmp_path / "group.json"])

@@ -11,7 +11,6 @@ from typing import Any
 
 import pytest
 import xarray as xr
-import yaml
 
 from solver.names import ALL_QUANTITIES
 from workflow.report import sections as page
@@ -21,13 +20,6 @@ from workflow.study.contents import Contents, Origin
 from workflow.study.reading import InputError, read_material, read_yaml
 
 STUDIES = sorted(ROOT.glob("config/*.yaml"))
-GROUPED = """\
-title: A grouped contact with a device
-fixed: {{material: PZT-4, magnetic: insulating{body}}}
-factors: {{radius: {{low: 0.01, high: 0.02}}, {load}: {{low: 10, high: 30}}{thickness}}}
-groups: {{{groups}}}
-device: {{{length}amplifier: {{input_capacitance: 10 pF}}}}
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -87,20 +79,3 @@ def test_a_shipped_study_loads_and_is_a_plan_or_one_line_without_some_keys(file:
     all_removals = removals(content)
     for removed in random.Random(file.stem).sample(all_removals, min(len(all_removals), 8)):
         assert plan(without(content, removed), origin), removed
-
-
-@pytest.mark.parametrize("outputs", ["", "surrogate: {outputs: [charge_sensitivity]}\n"])
-@pytest.mark.parametrize("punch", ["", ", punch: steel", ", punch: rigid"])
-@pytest.mark.parametrize("body", ["film", "line", "point"])
-def test_a_grouped_contact_with_a_device_is_a_plan_or_one_line(body: str, punch: str, outputs: str) -> None:
-    point, film = body == "point", body == "film"
-    text = GROUPED.format(
-        body=(", profile: sphere" if point else "") + (", base: steel" if film else "") + punch,
-        load="force" if point else "load",
-        thickness=", thickness: {low: 0.0001, high: 0.0003}" if film else "",
-        groups="load * radius / thickness^2: {levels: 3}, radius / thickness: {levels: 3}"
-        if film
-        else ("force / radius^2: {levels: 3}" if point else "load * radius: {levels: 3}"),
-        length="" if point else "electrode_length: 10 mm, ",
-    )
-    assert plan(yaml.safe_load(text + outputs), Origin(Path("grouped.yaml"), {}))
