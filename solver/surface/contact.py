@@ -32,8 +32,8 @@ _ACCURACY = 1e-2  # residual over the asked error
 _TANGENT = 1e-2  # residual of tangents over the asked error
 _SECANT = 0.16  # change of the load's logarithm for the stiffness: a twentieth of the contact's width, several cells
 # difference between two grids over the error that is left: pressure falls like a root, so that the error of loads falls
-# like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower, and so does
-# that of the pressure on the highest hill of a rough punch or of a map
+# like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower, and so do
+# those of the pressure on the highest hill of a rough punch or of a map
 _SHARE_LEFT = {
     "force": 1.8,
     "depth": 1.8,

@@ -217,7 +217,9 @@ class _Reader:
         return self.measured.get(name) or FACTORS[name].units
 
     def scale(self, name: str, unit: str) -> float:
-        """The factor that takes numbers of a column to SI units."""
+        """The factor that takes numbers of a column to SI units; 1 of temperatures in degrees Celsius."""
+        if unit in units.CELSIUS and self.units_of(name) == "K":
+            return 1.0
         with located(f"{self.sheet.path}: column {name!r}"):
             parsed = units.parse(unit)
             if not parsed.fits(units.parse(self.units_of(name))):
@@ -236,6 +238,8 @@ class _Reader:
             value = number(text) if scale == 1 else units.scaled(units.plain(text), scale)
             if not np.isfinite(value):
                 raise ValueError(f"{value:g} is not {self.allowed(name)}")
+        if unit in units.CELSIUS:
+            return value + units.FREEZING
         if unit is None:
             check_bare(name, value)
         return value

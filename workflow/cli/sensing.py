@@ -15,7 +15,6 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.heat.charge import HeatError
-from solver.units import FREEZING
 from storage.files import output, writing
 from workflow.cli.casetable import one_case, read_cases
 from workflow.cli.textfile import write_columns
@@ -33,9 +32,8 @@ _MOST_PARTS = 1000
 _MOST_TIMES = 10_000_000
 _ROUGH = 1e-6  # of curves that are told to be rough
 _NOISE = 0.02  # of the largest force, down to which a force below 0 counts as noise
-_CELSIUS = "temperature [degC]"
 #: Columns of a history beside force or load, with their units.
-_COLUMNS = {"time": "s", "temperature": "K", _CELSIUS: "1"}
+_COLUMNS = {"time": "s", "temperature": "K"}
 _NEEDS = "a history has the columns time and force, as 'time [s],force [N]'; a line may have load [N m-1]"
 
 
@@ -93,15 +91,10 @@ def read_history(path: Path, length: float | None) -> History:
     times, forces = (table.numbers(name, _NEEDS) for name in ("time", pressing))
     if table.count < 2:
         raise InputError(f"{path}: {table.count} row; a history has two or more")
-    warm = next((name for name in ("temperature", _CELSIUS) if name in table.columns), None)
-    temperatures = None if warm is None else table.numbers(warm, _NEEDS)
-    if temperatures is not None:
-        if warm != _CELSIUS and _CELSIUS in table.columns:
-            raise InputError(f"{path}: {_CELSIUS}: stands beside another temperature; must be the only one")
-        temperatures = temperatures + (FREEZING if warm == _CELSIUS else 0.0)
-        if (cold := ~(temperatures > 0)).any():
-            row = int(cold.argmax())
-            raise InputError(f"{table.at(row)}: temperature: {temperatures[row]:g} K is not a finite number > 0 [K]")
+    temperatures = table.numbers("temperature", _NEEDS) if "temperature" in table.columns else None
+    if temperatures is not None and (cold := ~(temperatures > 0)).any():
+        row = int(cold.argmax())
+        raise InputError(f"{table.at(row)}: temperature: {temperatures[row]:g} K is not a finite number > 0 [K]")
     if (back := np.diff(times) <= 0).any():
         row = int(back.argmax()) + 1
         jump = ""

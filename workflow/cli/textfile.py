@@ -12,6 +12,7 @@ from typing import Any, BinaryIO, TextIO
 import pandas as pd
 from numpy.typing import NDArray
 
+from solver.units import CELSIUS
 from storage.files import regular
 from workflow.language.grammar import measures
 from workflow.language.wordings import plain
@@ -126,7 +127,8 @@ def _named(text: str, known: Collection[str]) -> str | None:
 
 def is_unit(text: str) -> bool:
     """Return whether a text is a unit, or one in brackets."""
-    return bool(text.strip()) and not is_number(text) and measures(text.strip().strip("[]()"))
+    unit = text.strip().strip("[]()")
+    return unit in CELSIUS or (bool(text.strip()) and not is_number(text) and measures(unit))
 
 
 def quick_number(text: str) -> float | None:

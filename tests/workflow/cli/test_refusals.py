@@ -185,7 +185,7 @@ HISTORIES = [
      "line 4: time: 1 is not after 1, from 295 to 306 K: no temperature jumps without time"),
     ("time [s],force [N],temperature [degC]\n0,0,22\n1,1,-300\n", "line 3: temperature: -26.85 K is not a finite"),
     ("time [s],force [N],temperature [K],temperature [degC]\n0,0,295,22\n1,1,306,33\n",
-     "temperature [degC]: stands beside another temperature; must be the only one"),
+     "column 'temperature': given twice"),
     ("time [s],force [N]\n0,1\n1,-1\n", "line 3: force: -1 is not a finite number >= 0; subtract"),
     ("time [s],force [N]\n0,0\n1,\n", "line 3: force: empty"),
     ("time [s],force [N]\n0,0\n1,0\n", "is 0 all the time"),
