@@ -12,6 +12,7 @@ from solver import solve
 from solver.names import ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
 from workflow.language.factors import FACTORS
+from workflow.language.given import DESTROYED
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.reading import located
@@ -153,6 +154,7 @@ def lacked(study: Contents) -> frozenset[str]:
         if study.groups:
             _solve_stored(study, representatives.ends(study))
     _tell_time(study, process_time() - began)
+    _tell_pressure(study, solved)
     if "heat" in solved.attrs:
         study.tell_default(f"heat: {solved.attrs['heat']}")
     peaks = set(study.kind.peaks)
@@ -167,6 +169,17 @@ def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:
     """The answers at some stored cases of a study with groups, which may leave the box of its factors."""
     with located("groups: in a corner of their ranges"):
         return study.solved(solve, {**study.fixed_of_cases, **study.categories, **cases})
+
+
+def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
+    """Report contacts that are pressed beyond every material in all corners of the box: a unit may have been lost."""
+    lowest = float(solved["peak_pressure"].min()) if "peak_pressure" in solved else 0.0
+    if lowest > DESTROYED:
+        names = [name for name in (study.kind.loads.force, "radius", "width") if name in {*study.factors, *study.fixed}]
+        study.tell_default(
+            f"pressure: {lowest / 1e9:.3g} GPa or more in every corner of the box, beyond any material's strength; "
+            f"check {' and '.join(names)}: bare numbers are in SI"
+        )
 
 
 def _tell_time(study: Contents, seconds: float) -> None:
