@@ -1,6 +1,8 @@
 """Checks that the solver can answer a study, and the quantities that its cases lack or share with the datum."""
 
 from collections.abc import Mapping, Sequence
+from math import prod
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,8 @@ from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.reading import located
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
+
+_SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
 
 
 def check_contact(study: Contents) -> None:
@@ -140,6 +144,7 @@ def lacked(study: Contents) -> frozenset[str]:
     """
     if not study.factors:
         return frozenset()
+    began = process_time()
     if study.groups and study.kind.air:
         solved = _solve_stored(study, representatives.corners(study))
     else:
