@@ -271,7 +271,8 @@ def test_every_name_has_its_powers() -> None:
 
 @each_body
 def test_fields_inside_meet_those_on_the_surface(case: Case) -> None:
-    inside = solver.solve_interior(case, X, [0.0])
+    names = ["stress_yy", "stress_xx", "stress_zz", "electric_potential"]
+    inside = solver.solve_interior(case, X, [0.0], fields=names)
     surface = solver.solve(case, X)
     pairs = {"stress_xx": "stress_xx"} if "load" in case else {"radial_stress": "stress_xx", "hoop_stress": "stress_zz"}
     for name, other in pairs.items():

@@ -30,8 +30,8 @@ UP_TO_THE_EDGES = (-1e4, -3.17, -1 - 1e-7, -1 + 1e-7, -0.5, 0.0, 0.7, 1 - 1e-7, 
 AXIAL = [name for name, material in solver.materials().items() if material.axial]
 
 
-def check(material: solver.Material, positions: tuple[float, ...], **case: float) -> None:
-    case = CHARGED | case
+def check(material: solver.Material, positions: tuple[float, ...], **change: float) -> None:
+    case = CHARGED | change
     exact = precise.solve(constants(material), positions=positions, **case)
     assert_agrees(solver.solve({"material": material, **case}, positions), exact)
 
