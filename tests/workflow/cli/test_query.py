@@ -1,6 +1,5 @@
 """Points of a table or of the command line, and what a surrogate answers, refuses and writes."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
@@ -25,22 +24,6 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("points") / "surrogate.nc"
     save(GridGP(inputs=inputs, outputs=[f"depth{ESCAPE}"]).fit(data), path)
     return path
-
-
-def test_a_table_is_answered_with_every_digit(model: Path, command: Command) -> None:
-    points = np.random.default_rng(0).uniform([0.01, 0.0], [0.3, 0.5], (5000, 2))
-    rows = "".join(f"{r!r},{f!r}\n" for r, f in points.tolist())
-    table = command.file("at.csv", f"radius,friction\n{rows}")
-    out = table.with_name("out.csv")
-    printed, said = command("query", model, table, "-o", out, "--extrapolate")
-    doubt, wrote = said.splitlines()
-    assert (printed, wrote) == ("", f"wrote {out}: 5000 points, 1 outputs")
-    assert doubt.startswith("not calibrated: ")
-    with out.open(encoding="utf-8", newline="") as file:
-        header, *answers = csv.reader(file)
-    assert header[:2] == ["radius", "friction"]
-    np.testing.assert_array_equal(np.array([row[:2] for row in answers], dtype=float), points)
-    assert [row[-1] for row in answers] == [str(int(r > 0.2 * (1 + 1e-9))) for r in points[:, 0]]
 
 
 def test_names_cannot_command_the_terminal(model: Path, command: Command) -> None:

@@ -1,47 +1,18 @@
-"""Figures: the same however the data set is cut into slabs; no text is cut, no power of ten stands apart."""
+"""Figures: no text is cut, no power of ten stands apart, and drawings follow light and dark."""
 
 import re
-import warnings
 from dataclasses import replace
-from pathlib import Path
 
-import pytest
 from matplotlib.text import Text
 
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
-from workflow.dataset import slabs as dataset
 from workflow.design.verdict import netcdf
 from workflow.language import grammar, statements, titles
 from workflow.report import page, svg
-from workflow.report.figures import design_plots, field_panels, sobol, style, surrogate_errors
-from workflow.study import coupling, partition
+from workflow.report.figures import design_plots, sobol, surrogate_errors
+from workflow.study import coupling
 from workflow.study.model import load
-
-ONE = "factors: {friction: {low: 0.0, high: 0.6, levels: 7}}"
-TWO = "factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 7}, friction: {low: 0.0, high: 0.6, levels: 4}}"
-NAMED = f"categories: {{composite: [fibrous, laminate]}}\n{ONE}"
-
-
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("factors", [ONE, TWO, NAMED], ids=["one factor", "two factors", "a category and a factor"])
-def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, tmp_path: Path) -> None:
-    drawn = set()
-    for slabs in (1, 3):
-        file = tmp_path / "some.yaml"
-        fixed = {"radius": 0.05, "load": 1e5, "composite": "fibrous", "volume_fraction": 0.5}
-        fixed = {name: value for name, value in fixed.items() if name not in factors}
-        file.write_text(f"title: Some\n{factors}\nfixed: {fixed}\ndataset: {{slabs: {slabs}}}\n", encoding="utf-8")
-        study = load(file)
-        parts = []
-        for index in range(partition.count(study)):
-            dataset.write_slab(study, index, tmp_path / f"{index}.nc")
-            parts.append(read_whole(tmp_path / f"{index}.nc"))
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            style.save(field_panels.fields(parts, coupling.fields(study)), tmp_path / "fields.svg")
-        drawn.add((tmp_path / "fields.svg").read_bytes())
-    assert len(drawn) == 1
 
 
 def test_the_drawing_of_the_problem_follows_light_and_dark() -> None:

@@ -30,10 +30,6 @@ def of_groups() -> GaussianProcess:
     return model.calibrate(grouped.cases(300, 1, 0.2, to_ends=300))
 
 
-def of_curves() -> GaussianProcess:
-    return held_out(curved.fitted())
-
-
 def of_curves_over_groups() -> GaussianProcess:
     return held_out(curved.fitted_over_groups())
 
@@ -49,7 +45,7 @@ def held_out(model: CurveGP) -> GaussianProcess:
 
 
 @needs_node
-@pytest.mark.parametrize("fitted_model", [of_groups, of_curves, of_curves_over_groups])
+@pytest.mark.parametrize("fitted_model", [of_groups, of_curves_over_groups])
 def test_the_script_says_the_same(fitted_model: Callable[[], GaussianProcess], tmp_path: Path) -> None:
     model = fitted_model()
     t = np.random.default_rng(2).uniform(-1, 1, (40, len(model.inputs_)))
