@@ -1,13 +1,15 @@
-"""Studies by name, by path and from their results; names that no later step can bear are refused."""
+"""Studies by name, by path and from their results; bad names and unread configuration are refused."""
 
 import json
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from tests.workflow.conftest import Copy
 from workflow.cli import main
-from workflow.study import location
+from workflow.study import configuration, location
 from workflow.study.reading import InputError
 
 STUDY = "title: t\neffects: {baseline: {material: PZT-4, radius: 0.05, load: 1e5}, vary: {friction: [0.0, 0.4]}}\n"
@@ -86,3 +88,26 @@ def test_results_know_the_file_that_they_were_made_from(folder: Path) -> None:
     for study, expected in ((record, far), ("../../gone.yaml", near), (3, near), ("../../../../etc/passwd", near)):
         (results / "provenance.json").write_text(json.dumps({"study": study}), encoding="utf-8")
         assert location.of_results(Path("results/mine")) == expected
+
+
+@pytest.mark.parametrize(
+    ("config", "entries", "reason"),
+    [
+        ({"stduy": "peaks"}, (), "'stduy': not read; did you mean 'study'"),
+        ({"study": "peaks", "friction": 0.4}, (), "'friction': not read; the pipeline reads"),
+        ({"study": None}, (), "None is no study"),
+        ({"study": {"friction": "0.4"}}, (), "is no study"),
+        ({"study": "film"}, ("study=peaks", "study=film"), "study=peaks study=film: study is given 2 times"),
+    ],
+)
+def test_unread_configuration_is_refused(config: dict[str, Any], entries: tuple[str, ...], reason: str) -> None:
+    with pytest.raises(InputError, match=reason) as refusal:
+        configuration.study(config, entries)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_run_with_unread_configuration_plans_nothing(copy: Copy) -> None:
+    project = copy("configuration")
+    done = project.snakemake("-n", "--config", "study=small", "friction=0.4", check=False)
+    assert done.returncode == 1
+    assert "'friction': not read" in done.stdout + done.stderr
