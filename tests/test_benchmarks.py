@@ -1,42 +1,9 @@
 """The benchmarks compare what they say, and their page holds it; times are for `make bench`."""
 
-import json
-from pathlib import Path
-
-import numpy as np
 import pytest
 
-import benchmarks.__main__ as runner
-from approximation.chebyshev import gauss_points
-from benchmarks import asked, rivals, scattered, surrogates
+from benchmarks import rivals, scattered, surrogates
 from surrogate.gp import scattergp
-
-
-def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    return np.stack([np.exp(0.3 * t[:, 0]) * t[:, 1], np.cos(t.sum(axis=1))], axis=1)
-
-
-@pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")
-@pytest.mark.parametrize("rival", rivals.RIVALS[:3], ids=lambda rival: rival.name)
-def test_rivals_learn_a_smooth_function(rival: rivals.Rival) -> None:
-    random = np.random.default_rng(0)
-    t, points = random.uniform(-1, 1, (120, 3)), random.uniform(-0.9, 0.9, (40, 3))
-    y = smooth(t)
-    mean, std = rival.fit(t, y)(points, True)
-    assert np.abs(mean - smooth(points)).max() < 0.15
-    assert (std is not None) == ("GP" in rival.name)
-
-
-@pytest.mark.parametrize(("name", "room"), [*zip(rivals.GRID_RIVALS, (1e-4, 1e-3), strict=True)])
-def test_rivals_on_a_grid_learn_a_smooth_function(name: str, room: float) -> None:
-    levels = [gauss_points(count) for count in (9, 8, 7)]
-    t = np.stack(np.meshgrid(*levels, indexing="ij"), axis=-1)
-    predict = rivals.GRID_RIVALS[name](levels, smooth(t.reshape(-1, 3)).reshape(9, 8, 7, 2))
-    points = np.random.default_rng(0).uniform(-0.9, 0.9, (100, 3))
-    mean, std = predict(points, True)
-    error = np.abs(mean - smooth(points))
-    assert error.max() < room
-    assert std is None or (error <= 3 * std + 1e-6).mean() > 0.9
 
 
 def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,7 +17,6 @@ def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytes
     exact, ours, calibrated, chebyshev, spline = result["rows"]
     assert [row["cases"] for row in result["rows"]] == [0, 576, 776, 576, 576]
     assert set(exact["error"].values()) == {0.0}
-    assert calibrated["error"] == ours["error"]
     for name in surrogates.OUTPUTS:
         # the accuracy of the Gaussian process is that of interpolation
         assert ours["error"][name] == pytest.approx(chebyshev["error"][name], rel=0.6, abs=1e-4)
@@ -58,8 +24,6 @@ def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytes
         assert 1e-8 < spline["error"][name] < 0.5
         assert 0.85 < calibrated["coverage"][name] <= 1
         assert calibrated["crps"][name] < calibrated["error"][name]
-    assert spline["coverage"] is None
-    assert [row["method"] for row in result["equal_accuracy"]].count("Chebyshev-kernel GP") >= 1
     assert all(max(row["error"].values()) <= row["accuracy"] for row in result["equal_accuracy"])
     assert result["left_out"] == ["another"]
 
@@ -68,37 +32,12 @@ def test_the_comparison_on_scattered_cases_is_with_the_truth_and_tells_who_is_mi
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(scattergp, "SUBSET", 150)
-    noisy = {name: scattered.FUNCTIONS[name] for name in ("circuit with noise",)}
-    monkeypatch.setattr(scattered, "FUNCTIONS", noisy)
+    monkeypatch.setattr(scattered, "FUNCTIONS", {"noisy": scattered.FUNCTIONS["circuit with noise"]})
     absent = rivals.Rival("another", "no_such_package", scattered.ours, (10_000,))
     monkeypatch.setattr(scattered, "METHODS", [scattered.METHODS[0], absent])
     result = scattered.measure((800,))
     by_measure = {key.rsplit(": ", 1)[1]: value for key, value in result.items()}
-    assert all(key.startswith("ScatterGP, circuit with noise, 800 cases: ") for key in result)
     # below the noise of 0.01, and intervals of new cases with it
     assert 1e-4 < by_measure["root-mean-square error over range"] < 0.007
-    assert by_measure["root-mean-square error over range"] < by_measure["largest error over range"]
     assert 0.92 < by_measure["coverage"] < 0.98
     assert "left out, as not installed here: another" in capsys.readouterr().out
-
-
-def test_the_yardstick_of_tables_is_the_same_contact() -> None:
-    fraction, random = np.linspace(0.1, 0.9, 5).repeat(10), np.random.default_rng(0)
-    ours, plain = asked.half_planes(fraction, {name: random.uniform(*ends, 50) for name, ends in asked.BOX.items()})
-    exact, written = ours(), plain()
-    assert set(written) == set(exact.data_vars)
-    for name, values in written.items():
-        np.testing.assert_allclose(np.broadcast_to(values, 50), exact[name], rtol=1e-10, err_msg=name)
-
-
-def test_the_runner_writes_whole_files_and_refuses_unknown_names(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert {"exact", "surrogates"} <= set(runner.MEASUREMENTS)
-    monkeypatch.setattr(runner, "FOLDER", tmp_path)
-    assert runner.main(["exakt"]) == 2
-    assert "'exakt' is none of" in capsys.readouterr().err
-    monkeypatch.setattr("benchmarks.exact.measure", lambda: {"alone": 0.5})
-    assert runner.main(["exact"]) == 0
-    assert capsys.readouterr().out.splitlines()[1].split() == ["alone", "0.5"]
-    assert json.loads((tmp_path / "benchmarks.json").read_text(encoding="utf-8"))["exact"] == {"alone": 0.5}

@@ -24,7 +24,6 @@ README = ROOT / "README.md"
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 SHOWN = [README, *PAGES]
 BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
-SITE_LINES = r"(?<![\w./*-])((?:solver|surrogate|workflow|storage|verification|docs|tests)/[\w/-]+\.(?:py|md|toml))\b"
 
 
 def blocks(kind: str, shown: Sequence[Path] = SHOWN) -> list[Any]:
@@ -81,7 +80,7 @@ def test_every_study_on_a_page_is_one(text: str, tmp_path: Path) -> None:
 
 def test_the_readme_prints_its_numbers(tmp_path: Path) -> None:
     text = README.read_text(encoding="utf-8")
-    assert len(text.splitlines()) <= 100
+    assert all((ROOT / name).exists() for name in re.findall(r"\]\(([\w./-]+)\)", text))  # without a built site
     (code,) = (code for language, code in BLOCK.findall(text) if language == "python")
     done = warm.run(["python", "-W", "error", "-c", code], tmp_path, ROOT)
     assert done.returncode == 0, done.stderr
@@ -100,17 +99,14 @@ def test_the_site_builds_strictly_needs_no_network_and_has_every_name(project: P
     project.run("mkdocs", "build", "--strict", "--quiet", "--site-dir", "build/docs")
     site = project.folder / "build/docs"
     for page in site.rglob("*.html"):
-        for tag in re.findall(r"<(?:script|link|img)\b[^>]*>", page.read_text(encoding="utf-8")):
+        html = page.read_text(encoding="utf-8")
+        assert "$$" not in html, page  # every formula is MathML
+        for tag in re.findall(r"<(?:script|link|img)\b[^>]*>", html):
             assert not re.search(r"(?:src|href)=\"(?:https?:)?//", tag), (page, tag)
     assert (site / "results/quickstart/report.html").is_file()
-    text = {
-        name: (site / f"{name}.html").read_text(encoding="utf-8") for name in ("api", "commands", "study", "modules")
-    }
+    api = (site / "api.html").read_text(encoding="utf-8")
     for room in (solver, surrogate):
-        assert all(f'id="{room.__name__}.{name}"' in text["api"] for name in room.__all__)
-    assert all(f'id="meecontact-{name}"' in text["commands"] for name in ("solve", "query", "design", "invert", "run"))
-    assert "worst_case" in text["study"]
-    assert all(f"<code>{path.name}</code>" in text["modules"] for path in (ROOT / "workflow").rglob("[a-z]*.py"))
+        assert all(f'id="{room.__name__}.{name}"' in api for name in room.__all__)
 
 
 @pytest.mark.parametrize("name", sorted(tutorial.ON_QUICKSTART))
@@ -119,33 +115,10 @@ def test_a_tutorial_on_the_quickstart_shows_what_it_prints(name: str, project: P
     assert tutorial.updated(page, project.folder, warm.printed) == page
 
 
-def test_every_file_that_a_page_names_exists() -> None:
-    written = [*SHOWN, *tutorial.PAGES, ROOT / "CONTRIBUTING.md", ROOT / "benchmarks/measured.md"]
-    named = {path for page in written for path in re.findall(SITE_LINES, page.read_text(encoding="utf-8"))}
-    assert len(named) > 20
-    assert not {path for path in named if not (ROOT / path).is_file()}
-    readme = re.findall(r"\]\(([\w./-]+)\)", README.read_text(encoding="utf-8"))
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
-    assert set(readme) <= set(listed)  # its links work without a built site
-
-
 def test_citation_names_the_version() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert f'version = "{citation["version"]}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     assert {"cff-version", "message", "title", "authors", "license"} <= citation.keys()
-
-
-def test_container_installs_the_pins_that_make_cloud_tries() -> None:
-    dockerfile = (ROOT / "Dockerfile").read_text(encoding="utf-8")
-    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
-    assert "--require-hashes -r requirements/cloud.txt" in dockerfile
-    assert re.search(r"^\.venv/cloud\.stamp: requirements/cloud\.txt ", makefile, re.MULTILINE)
-    version = re.search(r"^FROM python:(\d\.\d+)-slim$", dockerfile, re.MULTILINE)
-    assert version
-    assert f'requires-python = ">={version[1]}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    users = re.findall(r"^USER (\S+)", dockerfile, re.MULTILINE)
-    assert users, "the container would run as root"
-    assert users[-1].split(":")[0] not in ("root", "0")
 
 
 def test_no_file_names_a_registry() -> None:

@@ -3,6 +3,7 @@
 import itertools
 import re
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from scipy.interpolate import CubicSpline
 
 import solver
 from solver.arrays import Array
-from solver.face.heat import charged_area, responses, stack_of
+from solver.face.filmbodies import stack_of
+from solver.face.heat import charged_area, responses
 from solver.halfplane.profile import Profile
 from solver.heat.charge import film_coefficient, film_gap
 from solver.heat.touch import Shape, Spot
@@ -73,18 +75,21 @@ def test_a_film_on_copper_has_the_stated_charge() -> None:
     assert f"20 kN/m: {abs(float(charge['charge_per_force'])) * 1e12:.0f} pC/N" in LIMITS
 
 
-#: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides.
-DESIGNS: dict[str, dict[str, float | str]] = {
-    "charge": {"volume_fraction": 0.8345, "thickness": 2.16e-4, "radius": 0.0514, "load": 5e3, "base": "steel"},
-    "voltage": {"volume_fraction": 0.8325, "thickness": 1.486e-3, "radius": 0.0432, "load": 5e3, "base": "steel"},
-    "quiet": {"volume_fraction": 0.8325, "thickness": 3.3e-3, "radius": 0.102, "load": 1e4, "base": "steel"},
+#: Designs of ``config/film_sensor.yaml``, rounded, in the case that decides; with a ball they are all `CASES`.
+FILMS_SENSED = {
+    "charge": {"volume_fraction": 0.8345, "thickness": 2.16e-4, "radius": 0.0514, "load": 5e3},
+    "voltage": {"volume_fraction": 0.8325, "thickness": 1.486e-3, "radius": 0.0432, "load": 5e3},
+    "quiet": {"volume_fraction": 0.8325, "thickness": 3.3e-3, "radius": 0.102, "load": 1e4},
 }
 GROUNDED: dict[str, Any] = {
-    "interface_electric": "grounded", "interface_magnetic": "grounded", "punch": "steel", "friction": 0.3
+    "interface_electric": "grounded", "interface_magnetic": "grounded", "base": "steel", "punch": "steel",
+    "friction": 0.3,
 }  # fmt: skip
 BALL: dict[str, Any] = {
-    "material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6, "base": "steel", "punch": "steel"
+    "material": "PZT-4", "profile": "sphere", "radius": 0.02, "thickness": 80e-6, "base": "steel", "punch": "steel",
+    "magnetic": "insulating",
 }  # fmt: skip
+CASES = {name: GROUNDED | design for name, design in FILMS_SENSED.items()} | {"ball": BALL | {"force": 0.2}}
 FIGURES = {
     "charge_per_force": 1e12,
     "circuit_capacitance - input_capacitance - cable_capacitance": 1e12,
@@ -95,43 +100,48 @@ FIGURES = {
 }
 
 
+@cache
+def solved(name: str, surroundings: str) -> xr.Dataset:
+    """Answer to one of the cases."""
+    return solver.solve(CASES[name] | {"surroundings": surroundings})
+
+
 def device_figures(
-    case: dict[str, Any], study: str, meeting: Meeting, formulas: Iterable[str]
-) -> tuple[xr.Dataset, list[float]]:
-    """Answer to a case, and figures of the device of a shipped study in it."""
+    case: dict[str, Any], answer: xr.Dataset, study: str, meeting: Meeting, formulas: Iterable[str]
+) -> list[float]:
+    """Figures of the device of a shipped study in a case."""
     device = Device.model_validate(read_yaml(Path(ROOT / f"config/{study}.yaml"))["device"])
-    answer = solver.solve(case)
     values = {str(quantity): np.abs(array.values) for quantity, array in answer.data_vars.items()}
     numbers = {**device.constants, **{factor: value for factor, value in case.items() if not isinstance(value, str)}}
     values |= {factor: np.asarray(value) for factor, value in numbers.items()}
-    return answer, [float(grammar.parse(text, meeting).evaluate(values)) for text in formulas]
+    return [float(grammar.parse(text, meeting).evaluate(values)) for text in formulas]
 
 
-@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.parametrize("name", FILMS_SENSED)
 def test_air_changes_a_film_sensor_as_stated(name: str) -> None:
     meetings: tuple[tuple[str, Meeting], ...] = (("insulated", "line"), ("air", "line in air"))
     columns = []
     for surroundings, meeting in meetings:
-        case = GROUNDED | DESIGNS[name] | {"surroundings": surroundings}
-        _, figures = device_figures(case, "film_sensor", meeting, FIGURES)
+        figures = device_figures(CASES[name], solved(name, surroundings), "film_sensor", meeting, FIGURES)
         columns.append([f"{figure * scale:.3g}" for figure, scale in zip(figures, FIGURES.values(), strict=True)])
     pairs = (", ".join(pair) for pair in zip(*columns, strict=True))
     assert f"| {name} | {' | '.join(pairs)} |" in LIMITS
 
 
-def noise_in_kelvin(case: dict[str, Any], study: str, meeting: Meeting, length: float) -> tuple[float, float]:
+def in_kelvin(
+    case: dict[str, Any], answer: xr.Dataset, study: str, meeting: Meeting, length: float
+) -> tuple[float, float]:
     """Changes of temperature everywhere that equal the noise and the force [K]."""
-    answer, (smallest,) = device_figures(case, study, meeting, ["smallest_force"])
+    (smallest,) = device_figures(case, answer, study, meeting, ["smallest_force"])
     per_newton = abs(float(answer["charge_per_force"]))
-    noise = smallest * per_newton
-    _, uniform = responses(case, answer, np.array([1.0]))
-    force = case.get("force", case.get("load", 0.0) * length) * per_newton
-    return noise / abs(uniform * length), force / abs(uniform * length)
+    _, uniform = responses(case | {"surroundings": "air"}, answer, np.array([1.0]))
+    force = case.get("force", case.get("load", 0.0) * length)
+    noise, signal = (newton * per_newton / abs(uniform * length) for newton in (smallest, force))
+    return noise, signal
 
 
 def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
-    air = {"surroundings": "air"}
-    kelvin = [noise_in_kelvin(GROUNDED | air | case, "film_sensor", "line in air", 0.01) for case in DESIGNS.values()]
+    kelvin = [in_kelvin(CASES[name], solved(name, "air"), "film_sensor", "line in air", 0.01) for name in FILMS_SENSED]
     charge, voltage, quiet = (f"{1e6 * noise:.2g}" for noise, _ in kelvin)
     largest = [force for _, force in kelvin]
     assert f"a change of {charge}, {voltage} and {quiet} uK everywhere" in LIMITS
@@ -139,17 +149,22 @@ def test_smallest_forces_equal_the_stated_changes_of_temperature() -> None:
     text = described("film_sensor")
     assert f"of {quiet} to {charge} microkelvin everywhere makes as much charge as the smallest" in text
     assert f"one of {min(largest):.1g} to {max(largest):.1g} K as much as the rated one" in text
-    ball = BALL | air | {"magnetic": "insulating", "thickness": 50e-6, "radius": 0.017}
-    meeting: Meeting = "point in air, charge amplifier"
-    (large, _), (small, _) = (noise_in_kelvin(ball | {"force": f}, "point_sensor", meeting, 1.0) for f in (0.2, 0.02))
+
+
+def test_the_heat_of_a_ball_equals_the_stated_shares() -> None:
+    ball = BALL | {"thickness": 50e-6, "radius": 0.017, "surroundings": "air"}
+    answers = {force: solver.solve(ball | {"force": force}) for force in (0.2, 0.02)}
+    large, small = (
+        in_kelvin(ball | {"force": force}, answer, "point_sensor", "point in air, charge amplifier", 1.0)[0]
+        for force, answer in answers.items()
+    )
     assert f"at 200 mN {1e6 * large:.3g} uK, at 20 mN {1e6 * small:.3g} uK" in LIMITS
     assert "by some tens of microkelvin" in described("point_sensor")
     assert 2e-5 < min(small, large) < max(small, large) < 1e-4
     # the mean rise of a disc of even flux on a half-space is 8 Q / (3 pi^2 kappa a)
-    solved = solver.solve(ball | {"force": 0.2})
-    radius = float(solved["contact_radius"])
+    radius, per_newton = (float(answers[0.2][name]) for name in ("contact_radius", "charge_per_force"))
     film = film_coefficient(solver.find("PZT-4"), solver.find("steel"))
-    equal = abs(0.2 * float(solved["charge_per_force"]) / (film * np.pi * radius**2))
+    equal = abs(0.2 * per_newton / (film * np.pi * radius**2))
     kappa = solver.find("PZT-4").thermal["conductivity"].value
     rise = 8 * (0.3 * 0.2 * 1e-3) / (3 * np.pi**2 * kappa * radius)
     share = f"{100 * rise / equal:.3g} % of the charge of the force from below"
@@ -182,23 +197,21 @@ def test_a_warm_finger_makes_the_stated_charge() -> None:
 
 
 def test_a_ball_s_heat_is_as_stated() -> None:
-    ball = BALL | {"magnetic": "insulating", "force": 0.2}
-    insulated, air = (solver.solve(ball | {"surroundings": kind}) for kind in ("insulated", "air"))
     shares = []
-    for solved, kind in ((insulated, "insulated"), (air, "air")):
-        step, uniform = responses(ball | {"surroundings": kind}, solved, np.array([1.0]))
-        shares.append(100 * abs(step[0] / (0.2 * float(solved["charge_per_force"]))))
+    for kind in ("insulated", "air"):
+        step, uniform = responses(CASES["ball"] | {"surroundings": kind}, solved("ball", kind), np.array([1.0]))
+        shares.append(100 * abs(step[0] / (0.2 * float(solved("ball", kind)["charge_per_force"]))))
     assert f"{shares[0]:.2g} % insulated, {shares[1]:.2g} % in air" in HEAT
-    contact = film_coefficient(solver.find("PZT-4"), solver.find("steel")) * np.pi * float(air["contact_radius"]) ** 2
+    area = np.pi * float(solved("ball", "air")["contact_radius"]) ** 2
+    contact = film_coefficient(solver.find("PZT-4"), solver.find("steel")) * area
     assert f"{abs(uniform / contact):.0f} times the charge below its contact" in HEAT
 
 
 def test_the_field_beyond_a_contact_s_edge_is_as_large_as_stated() -> None:
     """All of a film polarised alike: what collects by its capacitance, over the contact and the parts below its gap."""
-    cases = [*(GROUNDED | design for design in DESIGNS.values()), BALL | {"magnetic": "insulating", "force": 0.2}]
     shares: dict[str, list[float]] = {"insulated": [], "air": []}
-    for kind, case in itertools.product(shares, cases):
-        values = {str(name): float(array) for name, array in solver.solve(case | {"surroundings": kind}).items()}
+    for kind, (name, case) in itertools.product(shares, CASES.items()):
+        values = {str(quantity): float(array) for quantity, array in solved(name, kind).items()}
         stack = stack_of(case)
         half = values.get("contact_radius") or (values["contact_trailing"] + values["contact_leading"]) / 2
         shape: Shape = "disc" if "contact_radius" in values else "strip"

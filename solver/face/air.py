@@ -32,9 +32,8 @@ class HalfPlaneInAir(FilmInAir):
     """
 
     def _made(self) -> Bodies:
-        contact = contact_of(self.cases)
         with np.errstate(all="ignore"):
-            return half_planes(contact.halfplane.material, contact.half_width)
+            return half_planes(self.cases, contact_of(self.cases).half_width)
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of a half-plane in air that every case has; (...)."""

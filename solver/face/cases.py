@@ -107,7 +107,7 @@ class Cases(FactorValues):
             out |= {str(dim): array.coords[dim].variable for dim in labels}
             values = array.values
             if values.dtype == object:
-                codes, distinct = _factorized(values)
+                codes, distinct = factorized(values)
                 values = np.array([_label(value) for value in distinct])[codes].reshape(values.shape)
             factor = FACTORS.get(name)
             words = factor.long_name if factor else f"{name} of the case"
@@ -185,7 +185,7 @@ class Cases(FactorValues):
         ((dim, count),) = self.sizes.items()
         columns = {name: array.values for name, array in self.arrays.items()}
         keys = [columns[name] for name in (*OF_MATERIAL, "speed") if name in columns and columns[name].ndim]
-        numbers = [key if key.dtype.kind == "f" else _factorized(key)[0] for key in keys]
+        numbers = [key if key.dtype.kind == "f" else factorized(key)[0] for key in keys]
         first, which = _distinct(numbers)
         shared = None
         if first.size <= _DISTINCT and not sort:
@@ -234,13 +234,19 @@ class Cases(FactorValues):
         return replace(self, arrays=part, distinct=None, case_index=None)
 
 
-def _factorized(labels: NDArray[Any]) -> tuple[NDArray[Any], Sequence[Any]]:
+def factorized(labels: NDArray[Any]) -> tuple[NDArray[Any], Sequence[Any]]:
     """Number of each label, in small integers, which are sorted fastest, and the distinct labels."""
+    flat = labels.ravel()
     try:
-        codes, distinct = pd.factorize(labels.ravel(), use_na_sentinel=False)
+        codes, distinct = pd.factorize(flat, use_na_sentinel=False)
     except TypeError:  # no label, and refused when the material is looked up
-        codes, distinct = np.arange(labels.size), list(labels.flat)
-    return codes.astype(np.int16) if len(distinct) < 2**15 else codes, distinct
+        codes, distinct = np.arange(flat.size), flat
+    return codes.astype(np.int16) if len(distinct) < 2**15 else codes, flat[_first(codes)].tolist()
+
+
+def _first(codes: NDArray[Any]) -> Indices:
+    """Place of each code, which are numbered as they first occur."""
+    return np.flatnonzero(np.diff(np.maximum.accumulate(codes), prepend=-1))
 
 
 def _distinct(numbers: Sequence[NDArray[Any]]) -> tuple[Indices, Indices]:
@@ -251,7 +257,7 @@ def _distinct(numbers: Sequence[NDArray[Any]]) -> tuple[Indices, Indices]:
     for number in numbers[1:]:
         known, values = pd.factorize(number, use_na_sentinel=False)
         codes = pd.factorize(codes * len(values) + known)[0]
-    return np.flatnonzero(np.diff(np.maximum.accumulate(codes), prepend=-1)), codes  # numbered as they first occur
+    return _first(codes), codes
 
 
 def _alike(values: NDArray[Any]) -> int:

@@ -9,7 +9,7 @@ from approximation.arrays import Indices
 from solver.arrays import Array, distinct_rows
 from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.electrodes import electroded, reading_of
+from solver.face.electrodes import reading_of
 from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.materials import punch_datum, punch_of
 from solver.line.electrodecharge import electrode_quantities
@@ -99,8 +99,7 @@ class OnFilm(Body):
         """Cases by film, friction, conduction and punch, told apart at the smallest shape that these have."""
         conducts, punch = self.cases.conducts, punch_of(self.cases)
         sliding = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1]]
-        sliding += [punch.compliance, punch.coupling, electroded(self.cases)]
-        columns = [*self._bodies.columns, *sliding]
+        columns = [self._bodies.which, *sliding, punch.compliance, punch.coupling]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = distinct_rows(table.reshape(-1, table.shape[-1]))
         shape = (1,) * (len(self.shape) - table.ndim + 1) + table.shape[:-1]
@@ -109,11 +108,10 @@ class OnFilm(Body):
             yield np.flatnonzero(of_case == number), self._kind(row)
 
     def _kind(self, row: list[float]) -> Kind:
-        *film, friction, electric, magnetic, compliance, coupling, covered = row
-        profile = self.cases.profile
-        stack = self._bodies.film(tuple(film), bool(covered))
+        which, friction, electric, magnetic, compliance, coupling = row
+        profile, stack = self.cases.profile, self._bodies.films[int(which)]
         degree = max(len(profile.slope) - 1, 1)
-        if metal := bool(covered) or stack.conductors[0]:  # the electrode on top has the potential, not the punch
+        if metal := stack.electroded or stack.conductors[0]:  # the electrode on top has the potential, not the punch
             refuse_charge(self.cases)
         conducts = bool(electric) and not metal, bool(magnetic)
         return Kind(stack, friction, conducts, profile.smooth, degree, (compliance, coupling))

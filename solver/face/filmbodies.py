@@ -1,136 +1,134 @@
-"""Film below every case, from factors or a stack; rows of numbers identify equal films."""
+"""Layers below every case: the stack of one case by its factors, and the distinct films of many cases."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from solver.arrays import Array, BoolArray
+from approximation.arrays import Indices
+from solver.arrays import Array, distinct_rows
 from solver.cache import cached
-from solver.face.cases import Cases
+from solver.face.cases import Cases, factorized
 from solver.face.factorvalues import absent
-from solver.face.materials import base_of, material_of, phases_of
+from solver.face.materials import one_material, one_of_case
 from solver.face.refusal import FactorError
-from solver.material.composite import compose
-from solver.material.constants import ANY_SIZE, UNITS, Material, combined
-from solver.names import BODY, CHOICES, MIXTURES
+from solver.material.constants import Material, MaterialError, combined
+from solver.names import BODY, CHOICES, MIXTURES, OF_A_FILM, OF_MATERIAL
 from solver.stack.layers import RIGID, Layer, Stack
 
 #: Homogeneous layers of equal thickness that stand for a graded film.
 SUBLAYERS = 12
-_UNGRADED = -1.0
+#: Factors that make the stack of a case, but for the thickness of a film.
+OF_A_STACK = (BODY, *OF_MATERIAL, "cut", "cut_angle", *OF_A_FILM[1:], "electrode")
 _HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
-_INTERFACES = ("interface_electric", "interface_magnetic")
+
+
+def stack_of(
+    case: Mapping[str, Any],
+    materials: Mapping[str, Material] = MappingProxyType({}),
+    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
+) -> Stack:
+    """Layers and base of a case by its single factors: a film as thick as they say, 1 m a layer where they do not.
+
+    A half-plane is a layer bonded to its own material.
+    """
+    case = {name: value for name, value in case.items() if not absent(value)}
+    electroded = case.get("electrode") == "top"
+    if BODY in case:
+        body: Stack = case[BODY]
+        return replace(body, electroded=electroded)
+    material = one_of_case(case, materials, phases)
+    if not {"base", "base_modulus"} & case.keys():
+        bulk = replace(material, conductor=np.array(False))  # the closed form knows no conductors
+        return Stack([Layer(bulk, 1.0, "bonded", "bonded")], bulk)
+    sublayers = _graded(case, materials, phases) if "base_volume_fraction" in case else [material]
+    thickness = float(case.get("thickness", len(sublayers))) / len(sublayers)
+    upper = [Layer(layer, thickness, "bonded", "bonded") for layer in sublayers[:-1]]
+    interfaces = (case.get("interface_electric"), case.get("interface_magnetic"))
+    return Stack([*upper, Layer(sublayers[-1], thickness, *interfaces)], _base(case, materials), electroded)
+
+
+def _graded(
+    case: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str | Material]
+) -> list[Material]:
+    """Materials of the sublayers of a graded film, from the surface down."""
+    kind, lowest = str(case.get("composite", CHOICES["composite"][0])), float(case["base_volume_fraction"])
+    if kind not in MIXTURES:
+        raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
+    surface, depths = float(case["volume_fraction"]), (np.arange(SUBLAYERS) + 0.5) / SUBLAYERS
+    fractions = surface + (lowest - surface) * depths ** float(case.get("grading_exponent", 1.0))
+    return [one_of_case({**case, "volume_fraction": fraction}, materials, phases) for fraction in fractions.tolist()]
+
+
+def _base(case: Mapping[str, Any], materials: Mapping[str, Material]) -> Material | str:
+    """Base of a case: rigid, by its name, or by its modulus."""
+    if "base" not in case:
+        name = "a base by its modulus"
+        return Material.isotropic(case["base_modulus"], case["base_poisson"], name=name, any_size=True)
+    if case["base"] == RIGID:
+        return RIGID
+    try:
+        return one_material("base", case["base"], materials)
+    except MaterialError as error:
+        _, _, reason = str(error).partition("material: ")
+        also = f", {RIGID}" if "known are" in reason else ""
+        raise FactorError(f"base: {reason}{also}" if reason else f"base: {error}") from None
 
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Films, told apart by numbers."""
+    """Films of cases."""
 
-    thickness: Array  # Of the top layer [m], over the case axes
-    columns: list[Array]  # Numbers that tell films apart, each over the case axes
-    # From one row of the columns, and whether an electrode lies on top; the top layer of unit thickness
-    film: Callable[[tuple[float, ...], bool], Stack]
+    films: list[Stack]  # Distinct ones, their top layers of unit thickness
+    which: Indices  # Film of each case; over the case axes
+    thickness: Array  # Of the top layers [m]; over the case axes
     lacks_c12: str | None  # The name of a material without c12, of layers and of bases that are not rigid
 
 
+def stacks_of(cases: Cases) -> tuple[list[Stack], Indices]:
+    """Distinct stacks of cases, single films 1 m a layer, and that of each case; over the case axes."""
+    columns = {name: factorized(cases.values[name]) for name in OF_A_STACK if name in cases.values}
+    codes = np.broadcast_arrays(*(codes.reshape(cases.values[name].shape) for name, (codes, _) in columns.items()))
+    rows, which = distinct_rows(np.stack(codes, -1).reshape(-1, len(columns)))
+    stacks = []
+    for row in rows.tolist():
+        case = {name: values[code] for (name, (_, values)), code in zip(columns.items(), row, strict=True)}
+        stacks.append(stack_of(case, cases.materials, cases.phases))
+    return stacks, which.reshape(codes[0].shape)
+
+
 def films_of(cases: Cases) -> Bodies:
-    """The films of cases that are all on films."""
-    return _by_stack(cases) if BODY in cases.values else _by_factors(cases)
-
-
-def _by_factors(cases: Cases) -> Bodies:
-    """Single films: a material or a composite, perhaps graded, on a base."""
-    values = cases.values
-    material, (base, rigid) = material_of(cases), base_of(cases)
-    graded = values.get("base_volume_fraction", np.array(np.nan))
-    is_graded = ~np.isnan(graded)
-    kind = values.get("composite", np.array(CHOICES["composite"][0]))
-    mixture = np.select([kind == name for name in MIXTURES], range(len(MIXTURES)), len(MIXTURES))
-    exponent = np.nan_to_num(values.get("grading_exponent", np.array(np.nan)), nan=1.0)
-    columns = [
-        *known_constants(material),
-        *(np.where(rigid, 0.0, constant) for constant in known_constants(base)),
-        rigid,
-        *(_interface(cases, name) for name in _INTERFACES),
-        np.where(is_graded, graded, _UNGRADED),
-        np.where(is_graded, values.get("volume_fraction", np.array(0.0)), _UNGRADED),
-        np.where(is_graded, mixture, _UNGRADED),
-        np.where(is_graded, exponent, _UNGRADED),
-    ]
-    lacks = _lacking([(material, np.array(True)), (base, ~rigid)])
-    thickness = np.where(is_graded, values["thickness"] / SUBLAYERS, values["thickness"])
-    phases = phases_of(cases) if np.any(is_graded) else ()
-    return Bodies(thickness, columns, lambda row, electroded: _film(row, phases, electroded), lacks)
+    """The films of cases; those that differ in size alone are one."""
+    stacks, which = stacks_of(cases)
+    lacks = (m.name for stack in stacks for m in stack.materials if np.isnan(m.c12))
+    number: dict[Stack, int] = {}
+    place = np.array([number.setdefault(_over_the_top(stack), len(number)) for stack in stacks])
+    if BODY in cases.values:
+        thickness = np.array([stack.top.thickness for stack in stacks])[which]
+    else:
+        thickness = cases.number("thickness") / np.array([len(stack.layers) for stack in stacks])[which]
+    return Bodies(list(number), place[which], thickness, next(lacks, None))
 
 
 @cached
-def _film(row: tuple[float, ...], phases: Sequence[Material], electroded: bool) -> Stack:
-    """One of the films by factors."""
-    count = len(UNITS) + 1  # and whether it is a conductor
-    rigid, electric, magnetic, lowest, surface, kind, exponent = row[2 * count :]
-    materials = [_material(row[:count], "film")]
-    if lowest != _UNGRADED:
-        if kind >= len(MIXTURES):
-            raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
-        depths = (np.arange(SUBLAYERS) + 0.5) / SUBLAYERS
-        fractions = (surface + (lowest - surface) * depths**exponent).tolist()
-        materials = [compose(MIXTURES[int(kind)], phases, fraction) for fraction in fractions]
-    upper = [Layer(material, 1.0, "bonded", "bonded") for material in materials[:-1]]
-    interfaces = (
-        None if code < 0 else CHOICES[name][int(code)]
-        for name, code in zip(_INTERFACES, (electric, magnetic), strict=True)
-    )
-    base = RIGID if rigid else _material(row[count : 2 * count], "base")
-    return Stack([*upper, Layer(materials[-1], 1.0, *interfaces)], base, electroded)
-
-
-def _interface(cases: Cases, name: str) -> Array:
-    """Index of an interface's condition for a field among the choices; -1 for the default of its base."""
-    values = cases.values.get(name, np.array(None, dtype=object))
-    codes = [-1.0 if absent(value) else CHOICES[name].index(str(value)) for value in values.flat]
-    return np.array(codes).reshape(values.shape)
-
-
-def _by_stack(cases: Cases) -> Bodies:
-    """Films given as :class:`solver.Stack`; those that differ in size alone share tables."""
-    which = cases.values[BODY]
-    stacks = {stack: _over_the_top(stack) for stack in dict.fromkeys(which.flat)}
-    films = list(dict.fromkeys(stacks.values()))
-    number = {film: float(place) for place, film in enumerate(films)}
-
-    def of_cases(values: Mapping[Stack, float]) -> Array:
-        return np.array([values[stack] for stack in which.flat]).reshape(which.shape)
-
-    thickness = of_cases({stack: stack.top.thickness for stack in stacks})
-    columns = [of_cases({stack: number[film] for stack, film in stacks.items()})]
-    lacks = _lacking([(material, np.array(True)) for stack in stacks for material in stack.materials])
-    return Bodies(thickness, columns, lambda row, electroded: replace(films[int(row[0])], electroded=electroded), lacks)
-
-
 def _over_the_top(stack: Stack) -> Stack:
-    """A stack with lengths over the thickness of its top layer, of bare constants."""
-    materials = [combined(np.asarray, [material], "film") for material in stack.materials]
+    """A stack with lengths over the thickness of its top layer, of bare constants; what rests needs no density."""
+    materials = [replace(combined(np.asarray, [m], "film"), rho=np.array(np.nan)) for m in stack.materials]
     layers = [
         replace(layer, material=material, thickness=layer.thickness / stack.top.thickness)
         for layer, material in zip(stack.layers, materials, strict=False)
     ]
-    return Stack(layers, RIGID if stack.rigid else materials[-1])
+    return Stack(layers, RIGID if stack.rigid else materials[-1], stack.electroded)
 
 
-def half_planes(material: Material, half_length: Array) -> Bodies:
-    """Half-planes as films bonded to their own material: of any thickness, which the contact is given in proportion to.
+def half_planes(cases: Cases, half_length: Array) -> Bodies:
+    """Half-planes as films bonded to their own material, of a thickness which their contact is in proportion to.
 
     All lie in the middle of one window of half-lengths, whatever their punch and load.
     """
-
-    def film(row: tuple[float, ...], electroded: bool) -> Stack:
-        bulk = _material([*row[:-1], 0.0], "film")  # the closed form knows no conductors
-        return Stack([Layer(bulk, 1.0, "bonded", "bonded")], bulk, electroded)
-
-    lacks = _lacking([(material, np.array(True))])
-    return Bodies(half_length / _HALF_LENGTH, known_constants(material), film, lacks)
+    return replace(films_of(cases), thickness=half_length / _HALF_LENGTH)
 
 
 def refuse_charge(cases: Cases) -> None:
@@ -140,22 +138,3 @@ def refuse_charge(cases: Cases) -> None:
         raise FactorError(
             f"{name}: {charge[charge != 0].flat[0]:g} of a punch on an electrode, which takes it; must be 0"
         )
-
-
-def known_constants(material: Material) -> list[Array]:
-    """Constants by case, infinite where unknown, and conductors; the density of what rests has no part."""
-    constants = [
-        np.array(np.inf) if key == "rho" else np.nan_to_num(getattr(material, key), nan=np.inf) for key in UNITS
-    ]
-    return [*constants, material.conductor.astype(np.float64)]
-
-
-def _material(row: Sequence[float], name: str) -> Material:
-    """Material of constants in the order of ``UNITS``, infinite where unknown, and of whether it is a conductor."""
-    values = np.where(np.isinf(row), np.nan, row)
-    constants: dict[str, Any] = dict(zip((*UNITS, "conductor"), values, strict=True))
-    return Material(**constants, name=name, any_size=ANY_SIZE)
-
-
-def _lacking(bodies: Sequence[tuple[Material, BoolArray]]) -> str | None:
-    return next((m.name for m, used in bodies if np.any(np.isnan(m.c12) & used)), None)

@@ -11,34 +11,28 @@ import xarray as xr
 from solver.arrays import Array
 from solver.body import around
 from solver.face.factorvalues import absent
+from solver.face.filmbodies import OF_A_STACK, stack_of
 from solver.face.materials import material_named
 from solver.heat.charge import HeatedStack, HeatError, constant, film_gap
 from solver.heat.touch import Patch, Shape, Spot, Warmed
-from solver.material.composite import compose
 from solver.material.constants import Material
 from solver.material.punches import RIGID_PUNCH, punches
 from solver.names import (
     AIR,
     BODY,
-    CHOICES,
-    COMPOSITES,
     FACTORS,
     HEAT_QUANTITIES,
     NEVER_TEMPERATURE,
     NEVER_TIME,
     OF_HEAT,
 )
-from solver.stack.layers import RIGID, Layer, Stack
+from solver.stack.layers import Stack
 from solver.units import VACUUM_PERMITTIVITY
 
-#: Factors that make the stack of a case, and those of its punch and its circuit.
-_OF_A_STACK = (
-    BODY, "material", "composite", *dict.fromkeys(COMPOSITES.values()), "thickness", "base", "base_modulus",
-    "interface_electric", "interface_magnetic", "electrode", "base_volume_fraction",
-)  # fmt: skip
+#: Factors of the film, of the punch and of the circuit of a case, beside those of its stack.
 _OTHERS = (
-    "punch", "profile", "radius", "surroundings", "electric", "collector", "patch", "patch_size", "patch_position",
-    "load", "force", *OF_HEAT,
+    "thickness", "punch", "profile", "radius", "surroundings", "electric", "collector", "patch", "patch_size",
+    "patch_position", "load", "force", *OF_HEAT,
 )  # fmt: skip
 _CONTACT = ("contact_radius", "contact_trailing", "contact_leading")
 _CAPACITANCES = ("capacitance_at_force", "capacitance_at_load", "capacitance", "capacitance_per_length")
@@ -54,7 +48,7 @@ def with_heat(
 ) -> xr.Dataset:
     """Solved contacts with the quantities of heat, or with the reason for which they have none, over all factors."""
     charge = next((name for name in _CHARGES if name in out), None)
-    factors = [name for name in (*_OF_A_STACK, *_OTHERS) if name in arrays]
+    factors = [name for name in (*OF_A_STACK, *_OTHERS) if name in arrays]
     contact = [name for name in (*_CONTACT, *_CHARGES) if name in out]
     for name in (name for name in OF_HEAT if name in arrays):
         attrs = {"units": FACTORS[name].units, "long_name": FACTORS[name].long_name}
@@ -98,7 +92,7 @@ class _Touches:
     def quantities(self, case: Mapping[str, Any]) -> Array:
         """Charge of the heat, kelvin that equal the force, and the time at which heat does; (3,)."""
         key = (
-            *(str(case.get(name)) if name != BODY else id(case.get(name)) for name in _OF_A_STACK),
+            *(str(case.get(name)) if name != BODY else id(case.get(name)) for name in (*OF_A_STACK, "thickness")),
             case.get("collector"),
         )
         if key not in self.stacks:
@@ -123,27 +117,9 @@ class _Touches:
 
     def stack(self, case: Mapping[str, Any]) -> Stack:
         """The stack of one case, with the constants for heat of its materials."""
-        if BODY in case:
-            body: Stack = case[BODY]
-            return Stack(body.layers, body.base, electroded=case.get("electrode") == "top")
         if not absent(case.get("base_volume_fraction")):
             raise HeatError("heat: not known for a graded film")
-        if "material" in case:
-            material = material_named(case["material"], self.materials)
-        else:
-            kind = str(case.get("composite", CHOICES["composite"][0]))
-            phases = [material_named(phase, self.materials) for phase in self.phases]
-            material = compose(kind, phases, float(case[COMPOSITES[kind]]))
-        base = case.get("base", "")
-        if absent(base):
-            raise HeatError("heat: not known for a base by its modulus: conductivity")
-        interfaces = (
-            None if absent(case.get(f"interface_{name}")) else str(case[f"interface_{name}"])
-            for name in ("electric", "magnetic")
-        )
-        layer = Layer(material, float(case["thickness"]), *interfaces)
-        below = base if base == RIGID else material_named(base, self.materials)
-        return Stack([layer], below, electroded=case.get("electrode") == "top")
+        return stack_of(case, self.materials, self.phases)
 
     def spot(self, case: Mapping[str, Any]) -> Spot:
         """The contact of one case; a punch that is rigid or has no name is a perfect conductor."""
@@ -170,15 +146,6 @@ def _patch(case: Mapping[str, Any]) -> Patch | None:
         return None
     strip = "contact_radius" not in case or case.get("patch", "disc") == "strip"
     return Patch("strip" if strip else "disc", float(case["patch_size"]) / 2, float(case.get("patch_position", 0.0)))
-
-
-def stack_of(
-    case: Mapping[str, Any],
-    materials: Mapping[str, Material] = MappingProxyType({}),
-    phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
-) -> Stack:
-    """Layers of a film of single factors; HeatError for a graded film and for a base by its modulus."""
-    return _Touches(materials, phases).stack(case)
 
 
 def responses(

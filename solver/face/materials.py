@@ -1,20 +1,23 @@
 """Materials of every case: of its body, by name, own or of a composite's fraction, of its base and of its punch."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.arrays import Array, BoolArray, shown
-from solver.face.cases import Cases
+from solver.arrays import Array, shown
+from solver.cache import cached
+from solver.face.cases import Cases, factorized
 from solver.face.factorvalues import absent
 from solver.face.refusal import FactorError
 from solver.halfplane.sliding import RIGID_PUNCH, Punch
 from solver.halfplane.surface import HalfPlane
 from solver.material.composite import compose
 from solver.material.constants import Material, MaterialError, combined
+from solver.material.cuts import of_family
 from solver.material.library import find
 from solver.material.punches import find_punch, punches
 from solver.names import CHOICES, COMPOSITES, OF_A_PUNCH, OF_MATERIAL
@@ -29,7 +32,7 @@ _MODULUS_OF_RIGID, _POISSON_OF_RIGID = np.inf, 0.0
 
 def material_of(cases: Cases) -> Material:
     """The material of cases, constants over their axes."""
-    phases = phases_of(cases)
+    phases = phases_of(cases.phases, cases.materials)
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
     kinds = cases.values.get("composite", np.array(CHOICES["composite"][0]))
@@ -60,69 +63,59 @@ def half_plane_of(cases: Cases) -> HalfPlane:
     return HalfPlane(material_of(cases), speed) if np.any(speed) else HalfPlane(material_of(cases))
 
 
-def phases_of(cases: Cases) -> tuple[Material, Material]:
+def phases_of(phases: Sequence[str | Material], materials: Mapping[str, Material]) -> tuple[Material, Material]:
     """Phase one and phase two of a composite."""
-    if len(cases.phases) != 2:
-        raise FactorError(f"phases: {len(cases.phases)} given; a composite has two")
-    first, two = (material_named(phase, cases.materials) for phase in _named("phases", cases.phases))
-    return first, two
-
-
-def base_of(cases: Cases) -> tuple[Material, BoolArray]:
-    """The base of every case, and where it is rigid: the constants of a rigid one have no meaning."""
-    if "base" not in cases.values:
-        return _isotropic(cases), np.array(False)
-    which = cases.values["base"]
-    rigid = np.array([value == RIGID for value in which.flat], dtype=bool).reshape(which.shape)
-    named = np.array([not absent(value) for value in which.flat], dtype=bool).reshape(which.shape) & ~rigid
-    filled = np.empty(which.shape, dtype=object)
-    filled[...] = "steel"  # stands where a base is rigid or given by its modulus
-    filled[named] = which[named]
-    try:
-        base = _chosen(filled, cases.materials)
-    except MaterialError as error:
-        _, _, reason = str(error).partition("material: ")
-        also = f", {RIGID}" if "known are" in reason else ""
-        raise FactorError(f"base: {reason}{also}" if reason else f"base: {error}") from None
-    if "base_modulus" not in cases.values:
-        return base, rigid
-    return combined(lambda *values: np.where(named | rigid, *values), (base, _isotropic(cases)), "base"), rigid
-
-
-def _isotropic(cases: Cases) -> Material:
-    """Isotropic bases by modulus and Poisson's ratio; any where these are absent."""
-    modulus, poisson = cases.values["base_modulus"], cases.values["base_poisson"]
-    modulus, poisson = (np.where(np.isnan(v), standing, v) for v, standing in ((modulus, 1e11), (poisson, 0.3)))
-    return Material.isotropic(modulus, poisson, name="base", any_size=True)
+    if len(phases) != 2:
+        raise FactorError(f"phases: {len(phases)} given; a composite has two")
+    first, second = (one_material("phases", phase, materials) for phase in phases)
+    return first, second
 
 
 def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:
     """Materials by case; each is found and checked once, however many cases it has."""
-    named = _named("material", which.flat)
-    place = {m: k for k, m in enumerate(dict.fromkeys(named))}
-    chosen = [material_named(m, materials) for m in place]
-    for material in chosen:
-        if material.shape:
-            raise FactorError(f"material: {material.name!r} holds arrays; a factor takes one material a value")
-        material.check()
-    of_case = np.array([place[m] for m in named], dtype=np.intp).reshape(which.shape)
+    codes, values = factorized(which)
+    chosen = [one_material("material", value, materials) for value in values]
     name = chosen[0].name if len(chosen) == 1 else "material"
-    return combined(lambda *values: np.array(values)[of_case], chosen, name)
+    return combined(lambda *constants: np.array(constants)[codes.reshape(which.shape)], chosen, name)
 
 
-def _named(factor: str, values: Iterable[object]) -> list[str | Material]:
-    """Values that are names or materials, and nothing else."""
-    named: list[str | Material] = []
-    for value in values:
-        if not isinstance(value, str | Material):
-            raise FactorError(f"{factor}: {shown(value)} is no material; give the name of one, or a Material")
-        named.append(value if isinstance(value, Material) else str(value))  # a text of numpy is a plain one
-    return named
+def one_material(factor: str, which: object, materials: Mapping[str, Material]) -> Material:
+    """The one material that a value of a factor names or is, checked."""
+    if not isinstance(which, str | Material):
+        raise FactorError(f"{factor}: {shown(which)} is no material; give the name of one, or a Material")
+    material = material_named(which, materials)
+    if material.shape:
+        raise FactorError(f"{factor}: {material.name!r} holds arrays; a factor takes one material a value")
+    material.check()
+    return material
+
+
+def one_of_case(
+    case: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str | Material]
+) -> Material:
+    """The material of a case by its single factors, in the cut that they name."""
+    if "material" in case:
+        material = one_material("material", case["material"], materials)
+    else:
+        kind = str(case.get("composite", CHOICES["composite"][0]))
+        material = _composed(kind, phases_of(phases, materials), float(case[COMPOSITES[kind]]))
+    if "cut" not in case:
+        return material
+    cut = of_family(str(case["cut"]), float(case.get("cut_angle", 0.0)))
+    if material.cut:
+        raise FactorError(f"cut: {cut!r} beside {material.name}, which has the cut {material.cut}")
+    return replace(material, cut=cut)
+
+
+@cached
+def _composed(kind: str, phases: tuple[Material, Material], fraction: float) -> Material:
+    """The composite of one fraction, the same object for cases that share it."""
+    return compose(kind, phases, fraction)
 
 
 def material_named(which: str | Material, materials: Mapping[str, Material]) -> Material:
     """The material of a name, a user's own before the built-in ones; a material as it is."""
-    return which if isinstance(which, Material) else find(which, materials)
+    return which if isinstance(which, Material) else find(str(which), materials)  # a text of numpy is a plain one
 
 
 def punch_of(cases: Cases) -> Punch:

@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Collection, Sequence, Set
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -11,8 +10,8 @@ from approximation.arrays import Indices
 from solver.arrays import Array, column, distinct_rows
 from solver.face.body import Body
 from solver.face.cases import Cases
-from solver.face.electrodes import electroded, reading_of
-from solver.face.filmbodies import Bodies, films_of, known_constants, refuse_charge
+from solver.face.electrodes import reading_of
+from solver.face.filmbodies import Bodies, films_of, refuse_charge
 from solver.face.materials import half_plane_of, punch_of
 from solver.face.refusal import CaseError, FactorError
 from solver.fields import POINT_NEED_C12, POINT_SINGULAR
@@ -20,7 +19,6 @@ from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.precision import warn_of_rounding
 from solver.halfplane.pressing import ContactError
 from solver.halfplane.surface import HalfPlane
-from solver.material.constants import combined
 from solver.point.body import Film, HalfSpace
 from solver.point.contact import Friction, Pressed
 from solver.point.electrodes import electrode_quantities
@@ -55,6 +53,11 @@ class OnPoints(Body):
             self._parts = self._pressed()
         except ContactError as error:
             raise CaseError(str(error)) from None
+
+    @cached_property
+    def _bodies(self) -> Bodies:
+        """Films of the cases; half-spaces as films of their own material."""
+        return films_of(self.cases)
 
     @abstractmethod
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
@@ -192,7 +195,7 @@ class OnHalfSpace(OnPoints):
         ]
 
     def _apart(self) -> list[tuple[Indices, Pressed]]:
-        _, which = distinct_rows(np.stack([self._flat(column) for column in known_constants(self._half.material)], -1))
+        which = self._flat(self._bodies.which)
         return [
             (places[same_body], self._of(places[same_body], shape, coefficient[same_body]))
             for places, shape, coefficient in self._by_exponent(self._every)
@@ -249,8 +252,7 @@ class OnHalfSpace(OnPoints):
         return self._rims.part(places) if self._lacks_c12 is None else None
 
     def _inside(self, places: Indices, pressed: Pressed) -> Inside:
-        first = combined(lambda values: self._flat(values)[places[0]], [self._half.material], "half-space")
-        return whole(replace(first, conductor=np.array(False)))  # a half-space of metal, too, is a dielectric
+        return whole(self._bodies.films[int(self._flat(self._bodies.which)[places[0]])].top.material)
 
 
 class OnPointFilm(OnPoints):
@@ -270,12 +272,12 @@ class OnPointFilm(OnPoints):
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         bodies, conducts, elastic = self._bodies, self.cases.conducts, punch_of(self.cases)
-        punches = conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling, electroded(self.cases)
-        columns = [self._flat(column) for column in (*bodies.columns, *punches)]
+        punches = conducts[..., 0], conducts[..., 1], elastic.compliance, elastic.coupling
+        columns = [self._flat(column) for column in (bodies.which, *punches)]
         kinds, which = distinct_rows(np.stack(columns, -1))
         thickness, reading, pressed = self._flat(bodies.thickness), reading_of(self.cases), []
-        for number, (*row, electric, magnetic, punch, coupling, covered) in enumerate(kinds.tolist()):
-            film = bodies.film(tuple(row), bool(covered))
+        for number, (body_number, electric, magnetic, punch, coupling) in enumerate(kinds.tolist()):
+            film = bodies.films[int(body_number)]
             if metal := film.electroded or film.conductors[0]:
                 refuse_charge(self.cases)
             held = bool(electric) and not metal, bool(magnetic)
@@ -298,10 +300,6 @@ class OnPointFilm(OnPoints):
         k = -surface(stack)[0, 1:]
         coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
         return Friction(self._friction[places], np.broadcast_to(coupling, (places.size, 3)), punch)
-
-    @cached_property
-    def _bodies(self) -> Bodies:
-        return films_of(self.cases)
 
     @property
     def _lacks_c12(self) -> str | None:

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array
 from solver.face.cases import Cases
-from solver.face.materials import base_of, material_of
+from solver.face.filmbodies import stacks_of
 from solver.names import BODY
 from solver.stack.layers import Stack
 
@@ -46,7 +46,9 @@ def excesses(cases: Cases, values: Mapping[str, Array]) -> list[Excess]:
     if cases.kind.layered and cases.kind.datum != "relative" and "depth" in values:
         thickness = _thickness(cases)
         if np.max(values["depth"]) > DEEP * np.min(thickness):
-            depth = np.where(_on_stiff(cases), values["depth"], 0.0)
+            stacks, which = stacks_of(cases)
+            is_on_stiff = np.array([_is_on_stiff(stack) for stack in stacks])[which]
+            depth = np.where(is_on_stiff, values["depth"], 0.0)
             strains.append(_excess("a depth of {} is {} of the thickness {}", DEEP, depth, thickness))
     return [excess for excess in strains if excess]
 
@@ -70,18 +72,10 @@ def _thickness(cases: Cases) -> Array:
     return np.array([stack.thickness for stack in stacks]).reshape(cases.values[BODY].shape)
 
 
-def _on_stiff(cases: Cases) -> BoolArray:
-    """Mark films on a base that is rigid or much stiffer: under others the depth is the base's; (...)."""
-    if BODY in cases.values:
-        stacks: list[Stack] = list(cases.values[BODY].flat)
-        stiff = [
-            isinstance(stack.base, str)
-            or float(stack.base.c44) > _STIFF * min(float(layer.material.c44) for layer in stack.layers)
-            for stack in stacks
-        ]
-        return np.array(stiff).reshape(cases.values[BODY].shape)
-    base, rigid = base_of(cases)
-    return np.asarray(rigid | (base.c44 > _STIFF * material_of(cases).c44))
+def _is_on_stiff(stack: Stack) -> bool:
+    """Return whether the base is rigid or much stiffer than a layer: under others the depth is the base's."""
+    softest = min(float(layer.material.c44) for layer in stack.layers)
+    return isinstance(stack.base, str) or float(stack.base.c44) > _STIFF * softest
 
 
 def sentence(strains: Iterable[Excess], cases: int) -> str:

@@ -18,16 +18,14 @@ from solver.arrays import Array, shown
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.factors import checked
-from solver.face.factorvalues import absent
-from solver.face.materials import elasticity_of, material_of
+from solver.face.filmbodies import stack_of
+from solver.face.materials import elasticity_of, one_of_case
 from solver.face.refusal import CaseError, FactorError
 from solver.face.rows import Factors
 from solver.halfplane.precision import PrecisionWarning
-from solver.material.constants import ANY_SIZE, UNITS, Material
-from solver.material.cuts import of_family
-from solver.material.library import find
-from solver.names import BODY, HEIGHT_MAP, MAPS, PROFILES
-from solver.stack.layers import RIGID, Layer, Stack
+from solver.material.constants import Material
+from solver.names import HEIGHT_MAP, MAPS, PROFILES
+from solver.stack.layers import Stack
 from solver.surface.contact import Slopes, SurfaceContact, solve_contact
 from solver.surface.quantities import quantities, slopes_of
 from solver.surface.response import SurfaceBody, SurfaceError, SurfaceLayer
@@ -240,51 +238,18 @@ class _Contact:
     @cached_property
     def _stack(self) -> Stack | None:
         """Layers of the case; None of a half-space."""
-        case, values = self.case, self.case.values
-        if BODY in values:
-            body: Stack = values[BODY].item()
-            return body
-        if not case.kind.layered:
-            return None
-        electric = None if absent(said := self._said("interface_electric")) else str(said)
-        material, cut = self._material
-        oriented = replace(material, cut=cut) if cut else material
-        base = self._said("base")
-        below: Material | str = RIGID
-        if absent(base):
-            below = Material.isotropic(values["base_modulus"], values["base_poisson"], name="base", any_size=True)
-        elif base != RIGID:
-            below = base if isinstance(base, Material) else find(str(base), case.materials)
-        return Stack([Layer(oriented, float(values["thickness"]), electric)], below)
-
-    def _said(self, name: str) -> object:
-        return self.case.values[name].item() if name in self.case.values else None
+        return stack_of(self._factors, self.case.materials, self.case.phases) if self.case.kind.layered else None
 
     @property
-    def _material(self) -> tuple[Material, str]:
-        """Material of a case, and the cut that its factors name."""
-        case, which = self.case, self._said("material")
-        if which is None:
-            several = material_of(case)
-            constants: dict[str, Any] = {name: getattr(several, name).reshape(()) for name in UNITS}
-            material = Material(**constants, name=several.name, any_size=ANY_SIZE)
-        elif isinstance(which, str | Material):
-            material = which if isinstance(which, Material) else find(which, case.materials)
-        else:
-            raise FactorError(f"material: {shown(which)} is no material; give the name of one, or a Material")
-        family = self._said("cut")
-        cut = "" if absent(family) else of_family(str(family), float(case.number("cut_angle")))
-        material.check()
-        if cut and material.cut:
-            raise FactorError(f"cut: {cut!r} beside {material.name}, which has the cut {material.cut}")
-        return material, cut
+    def _factors(self) -> dict[str, Any]:
+        return {name: value.item() for name, value in self.case.values.items()}
 
     @cached_property
     def _body(self) -> SurfaceBody:
         stack = self._stack
         if stack is None:
-            material, cut = self._material
-            body = SurfaceBody((), material.stiffness_tensor(cut))
+            material = one_of_case(self._factors, self.case.materials, self.case.phases)
+            body = SurfaceBody((), material.stiffness_tensor())
         else:
             layers = [
                 SurfaceLayer(layer.material.stiffness_tensor(), layer.thickness, 2 in held, metal)
@@ -292,7 +257,7 @@ class _Contact:
             ]
             base = None if isinstance(stack.base, str) else stack.base.stiffness_tensor()
             body = SurfaceBody(layers, base, stack.conductors[-1])
-        if body.fields > 4 and self._said("magnetic") != "insulating":
+        if body.fields > 4 and self._factors.get("magnetic") != "insulating":
             raise FactorError(
                 "magnetic: conducting on a magnetic body in space; must be insulating: the punch has B = 0"
             )
@@ -301,7 +266,7 @@ class _Contact:
     @property
     def _outline(self) -> tuple[str, dict[str, float]]:
         """Profile of a case and its numbers."""
-        profile = str(self._said("profile"))
+        profile = str(self._factors.get("profile"))
         return profile, {name: float(self.case.number(name)) for name in PROFILES[profile].takes}
 
     @cached_property
@@ -309,7 +274,7 @@ class _Contact:
         profile, size = self._outline
         try:
             if profile == "map":
-                return _map(self._said(HEIGHT_MAP), size["map_spacing"])
+                return _map(self._factors.get(HEIGHT_MAP), size["map_spacing"])
             if profile == "roller":
                 crown = size["crown_radius"]
                 return Roller(size["radius"], size["length"], crown if crown > 0 else np.inf, size["tilt"])

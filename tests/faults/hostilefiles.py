@@ -65,12 +65,6 @@ def _virtual(source: bytes) -> Callable[[int], object]:
     return add
 
 
-def _group(file: int) -> None:
-    """Groups in a circle."""
-    group = _call("H5Gcreate2", file, b"a", 0, 0, 0)
-    _call("H5Lcreate_hard", file, b"a", _call("H5Gcreate2", group, b"b", 0, 0, 0), b"c", 0, 0)
-
-
 def _text_kind() -> int:
     kind = _call("H5Tcopy", _constant("H5T_C_S1_g"))
     _call("H5Tset_size", kind, -1)  # of any length
@@ -103,13 +97,6 @@ def _one_for_all(content: bytes) -> bytes:
     return bytes(spoilt)
 
 
-def _numbers(file: int) -> None:
-    kind = _constant("H5T_NATIVE_DOUBLE_g")
-    owner = _dataset(file)
-    attribute = _call("H5Acreate2", owner, b"a", kind, _space(2**14), 0, 0)
-    _call("H5Awrite", attribute, kind, (ctypes.c_double * 2**14)())
-
-
 #: What is added to an empty file, and what is said of the file.
 ATTACKS: dict[str, tuple[Callable[[int], object], str]] = {
     "fifo": (_external(b"fifo"), "the values of variable 'x' are stored elsewhere"),
@@ -122,11 +109,9 @@ ATTACKS: dict[str, tuple[Callable[[int], object], str]] = {
         lambda file: _dataset(file, kind=_constant("H5T_NATIVE_LDOUBLE_g")),
         "variable 'x' has an unexpected type",
     ),
-    "group": (_group, "'a' is not a variable"),
     "texts": (_texts, "attribute 'a' of x is neither one text nor numbers"),
     "one_long_text": (lambda file: _texts(file, 2**17, 1), "attribute 'a' takes more than 65536 bytes"),
     "variable_of_texts": (_variable_of_texts, "its texts and attributes take more than 4194304 bytes"),
-    "numbers": (_numbers, "attribute 'a' of x takes more than 65536 bytes"),
 }
 
 
@@ -154,8 +139,8 @@ def write(name: str, path: Path) -> None:
     if not Path("fifo").exists():
         os.mkfifo("fifo")
     access = _call("H5Pcreate", _constant("H5P_CLS_FILE_ACCESS_ID_g"))
-    # headers as of old, without checksums, but for a virtual dataset or a large attribute, which they do not have
-    _call("H5Pset_libver_bounds", access, *((3, 3) if name in ("numbers", "virtual") else (0, 3)))
+    # headers as of old, without checksums, but for a virtual dataset, which they do not have
+    _call("H5Pset_libver_bounds", access, 3 if name == "virtual" else 0, 3)
     _call("H5Pset_fclose_degree", access, 3)  # with everything in it
     file = _call("H5Fcreate", os.fsencode(path), 2, 0, access)
     ATTACKS[name][0](file)

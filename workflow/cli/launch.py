@@ -11,9 +11,8 @@ import yaml
 
 from workflow.cli import progress
 from workflow.cli.words import say
-from workflow.design.wording import unreached
 from workflow.language.spelling import nearest
-from workflow.study import configuration, location, partition
+from workflow.study import location, partition
 from workflow.study import model as studies
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -39,7 +38,6 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"study: {name!r} needs mpmath of requirements/dev.txt; `make run` installs it")
     folder = _profile(options.profile)
     arguments = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder)]
-    configuration.check_profiles(arguments)
     if location.by_path(name):
         arguments += ["--config", f"study={location.address(name)}"]
     if options.profile == "default":
@@ -50,7 +48,6 @@ def run(options: argparse.Namespace) -> int:
     if options.dry_run:
         with progress.followed(study, sys.stdout):
             return _snakemake([*arguments, "--dry-run", "--quiet", "host", "reason", "--", report, *others])
-    unreached.leave([name])  # the table says it
     with progress.followed(study):
         status = _snakemake([*arguments, "--quiet", "host", "reason", "--", report, *others])
     if status == 0:
@@ -61,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
         _check_origin(study, results / "provenance.json")
         from workflow.design.wording import table  # scikit-learn stands behind it, for which the start should not wait
 
-        for line in [*table.outcome(results, list(study.design)), *unreached.lines(results / "design.nc")]:
+        for line in table.outcome(results, list(study.design)):
             print(line)
         print(f"report: {report}")
     return status

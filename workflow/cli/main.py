@@ -1,6 +1,7 @@
 """The command ``meecontact``: solve cases, query a surrogate, check a material, begin, check and run a study."""
 
 import argparse
+import io
 import os
 import re
 import sys
@@ -11,7 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
-from workflow.cli.words import cores, printable_streams, say, surrogate_file, written_as
+from workflow.cli.words import cores, say, surrogate_file, written_as
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line
 
@@ -291,7 +292,8 @@ magneto-electro-elastic bodies.
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line. What a command needs is imported when it is known: half a second before the help."""
-    printable_streams()
+    if isinstance(sys.stdout, io.TextIOWrapper):  # what its encoding lacks is escaped, as on standard error
+        sys.stdout.reconfigure(errors="backslashreplace")
     parser = _parser()
     options = parser.parse_args(arguments)
     if options.command is None:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from pydantic import ValidationError
 
 from approximation.arrays import Array, Indices
@@ -24,7 +23,6 @@ from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
-from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, first_problem, located, number, read_material
@@ -53,14 +51,12 @@ def signal(options: argparse.Namespace) -> None:
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
     length = numbers.get("electrode_length", 1.0)
-    history, bare = read_history(options.history, length if kind.contact == "line" else None)
+    history = read_history(options.history, length if kind.contact == "line" else None)
     if len(history.times) * options.parts > _MOST_TIMES:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {_MOST_TIMES} times")
     most = float(history.forces.max())
     pressed = {**case, kind.loads.force: most / length}
     material = material_of(Cases(checked(pressed), materials, ("BaTiO3", "CoFe2O4")))
-    if bare:
-        _check_unit(options.history, most, solve(pressed, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
@@ -86,8 +82,8 @@ def signal(options: argparse.Namespace) -> None:
     say(f"wrote {path}: {written} times{thinned}")
 
 
-def read_history(path: Path, length: float | None) -> tuple[History, bool]:
-    """Read a history, and whether its force has no unit; a line's load is multiplied by its length [m]."""
+def read_history(path: Path, length: float | None) -> History:
+    """Read a history; a line's load is multiplied by its length [m]."""
     table = read_cases(path, _COLUMNS)
     pressing = next((name for name in ("force", "load") if name in table.columns), "force")
     if length is None and pressing == "load":
@@ -121,7 +117,7 @@ def read_history(path: Path, length: float | None) -> tuple[History, bool]:
             "offset, or leave out what pulls"
         )
     scale = length or 1.0 if pressing == "load" else 1.0
-    return History(times, np.maximum(forces, 0.0) * scale, temperatures), pressing == "force" and "force" in table.bare
+    return History(times, np.maximum(forces, 0.0) * scale, temperatures)
 
 
 def _heat_figures(history: History, heat: Array, warm: Warmth, figures: Figures) -> list[str]:
@@ -168,13 +164,6 @@ def _plain(text: str) -> float | str:
         return number(text)
     except ValueError:
         return text
-
-
-def _check_unit(path: Path, most: float, solved: xr.Dataset) -> None:
-    """Refuse a bare force whose contact would be destroyed: it has probably lost its unit."""
-    peak = float(solved["peak_pressure"].values.max()) if "peak_pressure" in solved else 0.0
-    if DESTROYED < peak < np.inf:
-        raise InputError(f"{path}: force: {lost_unit(most, 'N', peak)}")
 
 
 def _write(path: Path, history: History, reading: Signal, heat: Array | None = None) -> int:

@@ -127,39 +127,45 @@ Word = Literal["agrees", "disagrees", "cannot be told", "predicted"]
 
 def compared(measurements: Mapping[str, Measurement]) -> list[Row]:
     """Return the page's content of every row in plain values; lengths and charges are in the row's unit."""
-    return [_row(label, measurement) for label, measurement in measurements.items()]
+    rows = []
+    for label, row in measurements.items():
+        with located(f"measurements: {label}"):
+            model, rivals = (
+                [valued(row, entry, modelled(entry)) for entry in part] for part in (row.model, row.rivals)
+            )
+        verdict, because = judged(row, model, rivals)
+        rows.append(
+            {
+                "name": label,
+                "short": row.short or textwrap.shorten(row.of, 40, placeholder="..."),
+                **row.model_dump(
+                    include={"of", "value", "error", "error_is", "unit", "note", "source", "read", "decides"}
+                ),
+                "model": model,
+                "rivals": rivals,
+                "verdict": verdict,
+                "because": because,
+            }
+        )
+    return rows
 
 
-def _row(label: str, row: Measurement) -> Row:
-    with located(f"measurements: {label}"):
-        model, rivals = ([modelled(entry) for entry in group] for group in (row.model, row.rivals))
-    verdict = judged(row, model, rivals)
-    return {
-        "name": label,
-        "short": row.short or textwrap.shorten(row.of, 40, placeholder="..."),
-        **row.model_dump(include={"of", "value", "error", "error_is", "unit", "note", "source", "read", "decides"}),
-        "model": _values(row, row.model, model, verdict.deviations),
-        "rivals": _values(row, row.rivals, rivals, verdict.rivals),
-        "verdict": verdict.word,
-        "because": verdict.because,
-    }
+def valued(row: Measurement, entry: ModelValue, spread: Spread) -> Row:
+    """A value of the model in the row's unit.
 
-
-def _values(
-    row: Measurement, models: Sequence[ModelValue], values: Sequence[Spread], off: Sequence[float | None]
-) -> list[Row]:
+    ``off`` is model less measured over the standard deviation of both; None where no value or no error is published.
+    """
     scale = UNITS[row.unit]
-    return [
-        {
-            "quantity": quantity_name(row),
-            "material": _material_name(row),
-            "value": value.value / scale,
-            "deviation": value.deviation / scale,
-            "sets": value.sets,
-            "off": deviations,
-        }
-        for row, value, deviations in zip(models, values, off, strict=True)
-    ]
+    value, deviation = spread.value / scale, spread.deviation / scale
+    off = None if row.value is None or row.error is None else (value - row.value) / hypot(row.error, deviation)
+    return {
+        "quantity": quantity_name(entry),
+        "material": _material_name(entry),
+        "value": value,
+        "deviation": deviation,
+        "sets": spread.sets,
+        "off": off,
+    }
 
 
 def quantity_name(entry: ModelValue) -> str:
@@ -217,54 +223,27 @@ _MEANINGS = {
 }
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """Verdict on a row."""
-
-    word: Word  # In a word
-    because: str  # Why, in a sentence without a full stop
-    # Model less measured over the standard deviation of both, of each value of the model; none where no error is
-    # published
-    deviations: tuple[float | None, ...]
-    rivals: tuple[float | None, ...]  # The same of the other rules
-
-
-def deviation(row: Measurement, value: Spread) -> float | None:
-    """Model less measured over the standard deviation of both; None where no value or no error is published."""
-    if row.value is None or row.error is None:
-        return None
-    scale = UNITS[row.unit]
-    return (value.value / scale - row.value) / hypot(row.error, value.deviation / scale)
-
-
-def judged(row: Measurement, model: Sequence[Spread], rivals: Sequence[Spread] = ()) -> Verdict:
-    """The verdict on a row."""
-    deviations, others = (tuple(deviation(row, value) for value in values) for values in (model, rivals))
-    word: Word = "cannot be told"
+def judged(row: Measurement, model: Sequence[Row], rivals: Sequence[Row] = ()) -> tuple[Word, str]:
+    """The verdict on a row in a word, and its reason in a sentence without a full stop."""
     if row.value is None:
-        word, because = "predicted", "no measurement is known"
-    elif row.open:
-        because = row.open
-    elif deviations[0] is not None:
-        off = abs(deviations[0])
-        size = number(off, 2) if off >= _SLIGHT else f"less than {_SLIGHT}"
+        return "predicted", "no measurement is known"
+    if row.open:
+        return "cannot be told", row.open
+    if (off := model[0]["off"]) is not None:
+        size = number(abs(off), 2) if abs(off) >= _SLIGHT else f"less than {_SLIGHT}"
         because = f"the model is {size} standard deviations off"
-        word = "agrees" if off <= AGREES_WITHIN else "disagrees"
-        if word == "agrees":
-            because += _ruled_out(row, others)
-        elif row.outside:
-            because += f": {row.outside}"
-    elif abs((ratio := model[0].value / UNITS[row.unit] / row.value) - 1) <= _SAME:
-        word, because = "agrees", "the statement has no error, and the model says exactly the same"
-    elif row.outside:
-        word, because = "disagrees", row.outside
-    else:
-        because = f"no error is published; the model is {number(100 * (ratio - 1), 2)} % off"
-    return Verdict(word, because, deviations, others)
+        if abs(off) <= AGREES_WITHIN:
+            return "agrees", because + _ruled_out(rivals)
+        return "disagrees", because + (f": {row.outside}" if row.outside else "")
+    ratio = model[0]["value"] / row.value
+    if abs(ratio - 1) <= _SAME:
+        return "agrees", "the statement has no error, and the model says exactly the same"
+    if row.outside:
+        return "disagrees", row.outside
+    return "cannot be told", f"no error is published; the model is {number(100 * (ratio - 1), 2)} % off"
 
 
-def _ruled_out(row: Measurement, others: Sequence[float | None]) -> str:
+def _ruled_out(rivals: Sequence[Row]) -> str:
     """Return the row's verdict on other rules."""
-    pairs = zip(row.rivals, others, strict=True)
-    fits = {quantity_name(rule): abs(off) <= AGREES_WITHIN for rule, off in pairs if off is not None}
+    fits = {rule["quantity"]: abs(rule["off"]) <= AGREES_WITHIN for rule in rivals if rule["off"] is not None}
     return "".join(f"; {name} {'fits too' if fit else 'does not fit'}" for name, fit in fits.items())

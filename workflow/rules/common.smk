@@ -8,7 +8,7 @@ from functools import cache
 from itertools import count
 
 from workflow.dataset import batches, casecache
-from workflow.design.wording import unreached
+from workflow.design.verdict import netcdf
 from workflow.report import sections as page_sections
 from workflow.run import lock, provenance
 from workflow.run.interpreter import quote_interpreter
@@ -34,8 +34,6 @@ try:
     STUDY = location.given(configuration.study(read, entries if main else ()))
     if main and workflow.is_main_process:
         workflow.config_settings.config_args = entries
-    if main and workflow.is_main_process and "snakemake" in (Path(sys.argv[0]).stem, Path(sys.argv[0]).parent.name):
-        configuration.check_profiles(sys.argv[1:])
 except studies.InputError as error:
     raise WorkflowError(str(error))
 

@@ -14,7 +14,7 @@ import xarray as xr
 from sklearn.exceptions import NotFittedError
 
 from solver import solve
-from surrogate import FactorialRegressor, FormatError, GridGP, Input, OutOfBoxError, ScatterGP, load, save
+from surrogate import FactorialRegressor, FormatError, GridGP, Input, OutOfBoxError, load, save
 from surrogate.data.points import named_points
 from surrogate.use.export import exported
 from tests.surrogate import functions
@@ -72,14 +72,13 @@ def test_a_point_outside_the_box_is_refused_by_name_value_and_range(model: GridG
 
 
 def test_extrapolation_is_computed_and_flagged_when_asked_for(model: GridGP) -> None:
-    answer = model.predict({**MIDDLE, "mixture": [0.5, 0.951]}, extrapolate=True)
-    assert answer["extrapolated"].values.tolist() == [False, True]
+    far = {**MIDDLE, "mixture": [0.5, 0.951]}
     truth = functions.outputs({k: xr.DataArray(v) for k, v in {**MIDDLE, "mixture": 0.951}.items()})["no_bias"]
+    answer = model.predict(far, extrapolate=True)
     assert float(answer["no_bias"][1]) == pytest.approx(float(truth), rel=1e-4)  # close by, where it still holds
     assert "extrapolated" not in model.predict(MIDDLE)
-    far = {**MIDDLE, "mixture": [0.5, 0.951]}
-    methods: list[Callable[..., xr.Dataset]] = [model.interval, partial(model.quantile, q=0.5)]
-    for ask in methods:
+    asks: list[Callable[..., xr.Dataset]] = [model.predict, model.interval, partial(model.quantile, q=0.5)]
+    for ask in asks:
         assert ask(far, extrapolate=True)["extrapolated"].values.tolist() == [False, True]
         with pytest.raises(OutOfBoxError, match=re.escape("mixture = 0.951")):
             ask(far)
@@ -99,16 +98,9 @@ def test_extrapolation_is_computed_and_flagged_when_asked_for(model: GridGP) -> 
          "input 'angle' has a dimension of an input's name, 'size'"),
         ({**MIDDLE, "angle": xr.DataArray([0.1], dims="c"), "size": xr.DataArray([0.1, 0.1], dims="c")},
          "do not agree"),
-        ({**MIDDLE, "angle": xr.DataArray([0.1], {"c": [0]}), "size": xr.DataArray([0.1], {"c": [1]})}, "do not agree"),
         (np.zeros((3, 4)), "the columns mixture, angle, size, force, bias; got float64 values of shape (3, 4)"),
-        (np.full((1, 5), "a"), "got <U1 values of shape (1, 5)"),
-        (np.zeros((1, 5), dtype=bool), "got bool values of shape (1, 5)"),
-        ([[0.5, 0.3], [0.1]], "got list"),
         (xr.DataArray(np.zeros((5, 5)), dims=("input", "point")), "points must be named"),
-        ("mixture=0.5", "got str"),
-        (None, "got object values of shape ()"),
         (pd.DataFrame({"size": [0.1]})[["size", "size"]], "the table of points has a column twice"),
-        (pd.DataFrame({name: ["large"] for name in MIDDLE}), "input 'mixture' must be numbers"),
     ],
 )  # fmt: skip
 def test_bad_points_are_refused_in_one_line(model: GridGP, points: Any, says: str) -> None:
@@ -144,13 +136,6 @@ def test_box_and_scale_are_read_off_chebyshev_levels() -> None:
         assert box[input_.name].high == pytest.approx(input_.high, rel=1e-9)
 
 
-def test_an_output_is_constant_along_the_factors_that_it_lacks(model: GridGP) -> None:
-    assert "bias" not in functions.factorial(COUNTS)["no_bias"].dims
-    answer = model.predict({**MIDDLE, "bias": [-2.0, 0.3, 2.0]})
-    np.testing.assert_allclose(answer["no_bias"], answer["no_bias"][0], rtol=1e-13)
-    assert np.ptp(answer["affine"].values) > 1
-
-
 def test_unsorted_and_transposed_levels_give_the_same_model(model: GridGP) -> None:
     data = functions.factorial(COUNTS)
     shuffled = data.isel(mixture=slice(None, None, -1), size=[2, 0, 4, 1, 3]).transpose("force", "bias", ...)
@@ -164,18 +149,12 @@ def test_uncalibrated_intervals_are_those_of_a_normal_distribution(
     model: GridGP, level: float, deviations: float
 ) -> None:
     answer, interval = model.predict(MIDDLE), model.interval(MIDDLE, level)
-    assert list(interval.data_vars) == [f"{name}_{end}" for name in model.outputs_ for end in ("lower", "upper")]
-    assert interval["smooth_lower"].attrs == {
-        "units": "Pa",
-        "long_name": f"lower end of the {100 * level:g} % interval of the smooth output",
-    }
-    X = np.array([[MIDDLE[name] for name in model.box]])
-    for k, name in enumerate(model.outputs_):
-        half = deviations * float(answer[f"{name}_std"])
-        assert float(interval[f"{name}_lower"]) == pytest.approx(float(answer[name]) - half, rel=1e-14)
-        assert float(interval[f"{name}_upper"]) == pytest.approx(float(answer[name]) + half, rel=1e-14)
-        plain = [float(end[0, k]) for end in model.interval_array(X, level)]
-        assert plain == pytest.approx([float(interval[f"{name}_{end}"]) for end in ("lower", "upper")], rel=1e-14)
+    words = f"lower end of the {100 * level:g} % interval of the smooth output"
+    assert interval["smooth_lower"].attrs == {"units": "Pa", "long_name": words}
+    for name in model.outputs_:
+        mean, half = float(answer[name]), deviations * float(answer[f"{name}_std"])
+        ends = [float(interval[f"{name}_{end}"]) for end in ("lower", "upper")]
+        assert ends == pytest.approx([mean - half, mean + half], rel=1e-14)
 
 
 def test_quantiles_are_labelled_and_those_of_intervals(model: GridGP) -> None:
@@ -188,35 +167,30 @@ def test_quantiles_are_labelled_and_those_of_intervals(model: GridGP) -> None:
     np.testing.assert_allclose(ends["smooth"][0], model.interval(points)["smooth_lower"], rtol=1e-14)
 
 
-@pytest.mark.parametrize("level", [0.0, 1.0, -0.5, float("nan")])
+@pytest.mark.parametrize("level", [0.0, 1.0, float("nan")])
 def test_levels_that_are_none_are_refused(model: GridGP, level: float) -> None:
-    for ask in (model.interval, lambda points, level: model.gradient(points, return_std=True, level=level)):
+    for ask in (model.interval, partial(model.gradient, return_std=True)):
         with pytest.raises(ValueError, match=f"level {level:g} is not between 0 and 1"):
-            ask(MIDDLE, level)
+            ask(MIDDLE, level=level)
     with pytest.raises(ValueError, match=r"q 2 is not between"):
         model.quantile(MIDDLE, [0.5, 2.0])
 
 
 def test_gradient_is_labelled(model: GridGP) -> None:
-    with_std = model.gradient(MIDDLE, return_std=True)
-    parts = ("", "_std", "_lower", "_upper")
-    assert list(with_std.data_vars) == [f"{name}{part}" for name in model.outputs_ for part in parts]
-    assert with_std["smooth_lower"].attrs["long_name"] == (
-        "lower end of the 95 % interval of the derivative of the smooth output with respect to the input"
-    )
-    none = {name: np.array([]) if name == "angle" else value for name, value in MIDDLE.items()}
-    assert model.gradient(none)["smooth"].shape == (len(model.box), 0)
-    slopes = model.gradient({**MIDDLE, "angle": [0.1, 0.2]})
+    slopes = model.gradient({**MIDDLE, "angle": [0.1, 0.2]}, return_std=True)
+    assert list(slopes.data_vars) == [
+        f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")
+    ]
     assert slopes["smooth"].dims == ("input", "angle")
     assert slopes["input"].values.tolist() == list(model.box)
     assert slopes["input_units"].sel(input="force") == "N"
     assert slopes["smooth"].attrs["units"] == "(Pa) / input_units"
+    assert model.gradient({**MIDDLE, "angle": np.array([])})["smooth"].shape == (len(model.box), 0)
 
 
 def test_a_model_must_be_fitted_and_its_score_is_r2(model: GridGP) -> None:
-    for fresh in (GridGP(), ScatterGP()):
-        with pytest.raises(NotFittedError, match="is not fitted yet; call fit first"):
-            fresh.predict({})
+    with pytest.raises(NotFittedError, match="is not fitted yet; call fit first"):
+        GridGP().predict({})
     held = functions.scattered(500, seed=3)
     points = held[[input_.name for input_ in functions.INPUTS]]
     mean = model.predict(points)
@@ -258,21 +232,18 @@ def test_printed_it_says_inputs_outputs_box_cases_and_calibration() -> None:
 
 def test_a_model_has_a_level_of_its_own(model: GridGP, tmp_path: Path) -> None:
     narrower = deepcopy(model)
-    narrower.level_, X = 0.8, np.array([[*MIDDLE.values()]])
-    save(narrower, tmp_path / "own.nc")
-    for known in (narrower, load(tmp_path / "own.nc")):
+    narrower.level_ = 0.8
+    save(narrower, tmp_path / "narrower.nc")
+    for known in (narrower, load(tmp_path / "narrower.nc")):
         xr.testing.assert_identical(known.interval(MIDDLE), model.interval(MIDDLE, 0.8))
         xr.testing.assert_identical(known.gradient(MIDDLE, True), model.gradient(MIDDLE, True, level=0.8))
-        np.testing.assert_array_equal(known.interval_array(X), model.interval_array(X, 0.8))
         plain = exported(known)
         assert plain is not None
         assert plain["interval"]["level"] == 0.8
-    xr.testing.assert_identical(narrower.interval(MIDDLE, 0.95), model.interval(MIDDLE))
     narrower.level_ = 2.0
-    save_as = tmp_path / "wrong.nc"
-    save(narrower, save_as)
+    save(narrower, tmp_path / "wrong.nc")
     with pytest.raises(FormatError, match="level 2 is not between 0 and 1"):
-        load(save_as)
+        load(tmp_path / "wrong.nc")
 
 
 @pytest.fixture(scope="module")
@@ -283,38 +254,26 @@ def product() -> GridGP:
     return GridGP([x, y]).fit(grid.assign(f=grid.x * grid.y))
 
 
-def test_masked_cells_are_refused_as_nan_is(product: GridGP) -> None:
+def test_masked_and_missing_cells_are_refused_as_nan_is(product: GridGP) -> None:
     """A masked cell has a value behind it, as 1e20: of sequences, arrays, labelled arrays, tables and cases."""
     column = np.ma.masked_array([0.5, 0.25], [False, True])
     matrix = np.ma.masked_array([[0.5, 1.5], [0.25, 1.5]], [[False, False], [True, False]])
     nullable = pd.DataFrame({"x": pd.array([0.5, None], dtype="Float64"), "y": [1.5, 1.5]})
-    absent = pd.DataFrame({"x": [0.5, np.nan], "y": [1.5, 1.5]})
     rows = [{"x": 0.5, "y": 1.5}, {"y": 1.5}]
-    for points in ({"x": column, "y": 1.5}, {"x": [0.5, np.ma.masked], "y": 1.5}, matrix, nullable, absent, rows):
+    labelled = {"x": xr.DataArray(column, dims="case"), "y": 1.5}
+    for points in ({"x": column, "y": 1.5}, {"x": [0.5, np.ma.masked], "y": 1.5}, matrix, nullable, rows, labelled):
         with pytest.raises(ValueError, match="'x' is nan at 1 of 2 points; give finite values"):
             product.predict(points)
-    with pytest.raises(ValueError, match="'x' is nan"):
-        product.predict({"x": xr.DataArray(column, dims="case"), "y": 1.5})
-    with pytest.raises(ValueError, match="must be numbers, got object values"):
-        product.predict({"x": [0.5, None], "y": 1.5})
-    with pytest.raises(OutOfBoxError):
-        product.predict_array(matrix)
     cases = np.random.default_rng(0).uniform(0, 1, (12, 2))
     hidden = np.ma.masked_array(cases, np.arange(24).reshape(12, 2) == 5)
     values = np.ma.masked_array(cases[:, 0], np.arange(12) == 3)
-    for X, y_ in ((hidden, cases[:, 0]), (cases, values)):
+    for X, y in ((hidden, cases[:, 0]), (cases, values)):
         with pytest.raises(ValueError, match="NaN"):
-            FactorialRegressor().fit(X, y_)
-    with pytest.raises(ValueError, match="NaN"):
-        FactorialRegressor().fit(cases, cases[:, 0]).predict(hidden)
-    assert np.isnan(product.box["x"].to_unit(column)).tolist() == [False, True]
+            FactorialRegressor().fit(X, y)
+    x = product.box["x"]
+    output = np.ma.masked_array(np.ones(4), [False, False, True, False])
     with pytest.raises(ValueError, match="not finite"):
-        GridGP([product.box["x"]]).fit(
-            xr.Dataset(
-                {"f": ("x", np.ma.masked_array(np.ones(4), [False, False, True, False]))},
-                {"x": product.box["x"].levels(4)},
-            )
-        )
+        GridGP([x]).fit(xr.Dataset({"f": ("x", output)}, {"x": x.levels(4)}))
 
 
 def test_the_rows_of_tables_are_points(product: GridGP) -> None:

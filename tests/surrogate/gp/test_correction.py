@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from numpy.polynomial.chebyshev import chebval
 
 from surrogate import GridGP
@@ -12,7 +11,7 @@ from surrogate.gp.factors import Factor
 from surrogate.use.validation import validate
 from tests.surrogate import functions
 
-COUNTS = (24, 8, 6, 8, 4)
+COUNTS = (16, 6, 5, 6, 3)
 
 
 @pytest.mark.parametrize("weighted", [False, True])
@@ -68,18 +67,14 @@ def test_an_error_that_no_term_explains_leaves_the_mean_alone() -> None:
 
 
 def test_few_cases_leave_the_mean_alone() -> None:
-    data = functions.factorial((6, 4, 4, 3, 2))
-    points = functions.scattered(20, seed=5)[[input_.name for input_ in functions.INPUTS]]
-    model = GridGP(inputs=functions.INPUTS).fit(data)
-    raw = model.predict(points, return_std=False)
+    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((6, 4, 4, 3, 2)))
     assert model.calibrate(functions.scattered(60, seed=1)).correction_ is None
-    xr.testing.assert_identical(model.predict(points, return_std=False), raw)
 
 
 def test_a_corrected_mean_is_far_better_on_fresh_cases_and_in_its_gradient() -> None:
     model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(COUNTS))
-    model.calibrate(functions.scattered(3000, seed=1))
-    fresh = functions.scattered(3000, seed=2)
+    model.calibrate(functions.scattered(2000, seed=1))
+    fresh = functions.scattered(2000, seed=2)
     table = validate(model, fresh, None).sel(output=["near_pole", "smooth", "ratio", "no_bias"])
     assert bool((table["rmse"] < 0.3 * table["raw_rmse"]).all())
     assert float((table["rmse"] / table["raw_rmse"]).median()) < 0.1

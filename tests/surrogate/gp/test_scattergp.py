@@ -16,7 +16,7 @@ from sklearn.gaussian_process.kernels import RBF, ConstantKernel
 
 from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
-from surrogate.gp.scattergp import DEGREE, REACH, Chebyshev
+from surrogate.gp.scattergp import DEGREE, REACH
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
@@ -79,25 +79,6 @@ def test_predictions_and_variances_of_derivatives_are_those_of_a_dense_process(m
     assert answer["f"].attrs["units"] == "K"
 
 
-def test_the_kernel_and_its_slopes_are_those_of_the_sum() -> None:
-    kernel = Chebyshev(np.array([0.4, 0.9]), np.array([0.5, 0.7]))
-    theta, step = np.array([1.0, 0.4, 0.9, 0.5, 0.7]), 1e-5
-    points, others = np.random.default_rng(0).uniform(-0.9, 0.9, (2, 8, 2))
-    np.testing.assert_allclose(kernel(points, others), correlation(theta, points, others), rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(kernel.diag(points), np.diag(kernel(points)), rtol=1e-12)
-    by_parameter = kernel(points, others, eval_gradient=True)[1]
-    for k in range(4):
-        moved = [theta * np.exp(sign * step * np.eye(5)[1 + k]) for sign in (1, -1)]
-        ends = [correlation(parameters, points, others) for parameters in moved]
-        np.testing.assert_allclose(by_parameter[..., k], (ends[0] - ends[1]) / (2 * step), rtol=1e-6, atol=1e-8)
-    for k, slope in enumerate(kernel.slopes(points, others)):
-        shift = step * np.eye(2)[k]
-        ends = [correlation(theta, points + sign * shift, others) for sign in (1, -1)]
-        np.testing.assert_allclose(slope, (ends[0] - ends[1]) / (2 * step), rtol=1e-6, atol=1e-8)
-        ends = [np.diag(kernel.slopes(points, points + sign * shift)[k]) for sign in (1, -1)]
-        np.testing.assert_allclose(kernel.steepness(points)[k], (ends[0] - ends[1]) / (2 * step), rtol=1e-5)
-
-
 def test_it_learns_smooth_functions_and_reads_roles_off_the_outputs() -> None:
     with pytest.raises(ValueError, match="give inputs="):
         ScatterGP().fit(cases(10))
@@ -140,10 +121,8 @@ def test_few_cases_without_noise_err_no_more_than_by_scikit_learn_s_process() ->
 
 
 FUNCTIONS: list[tuple[int, Callable[[Array], Array]]] = [
-    (1, lambda t: np.sin(3 * t[:, 0])),
     (1, lambda t: 1 / (1 + 4 * t[:, 0] ** 2)),
     (2, lambda t: np.sin(3 * t[:, 0]) + t[:, 1] ** 2),
-    (2, lambda t: np.exp(t[:, 0]) * np.cos(2 * t[:, 1])),
     (2, lambda t: np.abs(t[:, 0] - 0.2) * t[:, 1]),
     (3, lambda t: np.exp(t[:, 0]) * np.cos(2 * t[:, 1]) * (1 + 0.3 * t[:, 2])),
     (3, lambda t: 1 / (2.5 + t[:, 0] + 0.8 * t[:, 1] + 0.5 * t[:, 2])),

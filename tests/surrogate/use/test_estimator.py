@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 from sklearn.base import clone
-from sklearn.model_selection import GridSearchCV, KFold, cross_val_score
+from sklearn.model_selection import KFold, cross_val_score
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import MinMaxScaler, StandardScaler
 from sklearn.utils.estimator_checks import estimator_checks_generator
@@ -43,17 +43,6 @@ def fresh(count: int = 50) -> Array:
     return np.random.default_rng(1).uniform([0.1, 2, -1], [0.9, 40, 2], (count, 3))
 
 
-def test_levels_of_another_kind_are_scattered_cases() -> None:
-    X = factorial([np.linspace(0, 1, 8), np.linspace(1, 3, 7)])
-    y = np.exp(X[:, 0] / X[:, 1])
-    model = FactorialRegressor().fit(X, y)
-    assert isinstance(model.model_, ScatterGP)
-    points = np.random.default_rng(0).uniform([0, 1], [1, 3], (50, 2))
-    np.testing.assert_allclose(model.predict(points), np.exp(points[:, 0] / points[:, 1]), atol=0.03)
-    with pytest.raises(ValueError, match="8 levels are no Chebyshev-Gauss levels"):
-        FactorialRegressor("factorial").fit(X, y)
-
-
 @pytest.mark.parametrize("slow", [False, pytest.param(True, marks=pytest.mark.soak)])
 def test_the_checks_of_scikit_learn_pass(slow: bool) -> None:
     pairs = estimator_checks_generator(FactorialRegressor())
@@ -72,7 +61,7 @@ def test_a_factorial_in_any_order_is_the_grid_model_of_its_data_set() -> None:
     assert isinstance(model.model_, GridGP)
     assert [input_.scale for input_ in model.model_.inputs_] == ["linear", "log", "linear"]
     axes = {f"x{k}": levels for k, levels in enumerate(LEVELS)}
-    a, b, c = xr.broadcast(*(xr.DataArray(values, dims=name, coords={name: values}) for name, values in axes.items()))
+    a, b, c = xr.broadcast(*(xr.DataArray(values, {name: values}, name) for name, values in axes.items()))
     grid_model = GridGP().fit(xr.Dataset({"f": np.exp(0.5 * a) * np.log(b) + 0.1 * c, "g": a**2}))
     mean, std = model.predict(fresh(), return_std=True)
     wanted = grid_model.predict_array(fresh(), return_std=True)
@@ -105,6 +94,8 @@ def test_the_cases_decide_the_engine(X: Array, engine: type) -> None:
         ({"design": "grid"}, fresh(), "design 'grid' is none of auto, factorial, scattered"),
         ({"design": "factorial"}, factorial(LEVELS)[1:],
          "the 209 cases are no factorial: the columns have 6 x 7 x 5 lev"),
+        ({"design": "factorial"}, factorial([np.linspace(0, 1, 8), *LEVELS[1:]]),
+         "8 levels are no Chebyshev-Gauss levels"),
         ({}, np.column_stack([fresh(9), np.full(9, 2.5)]), "column 'x3' is 2.5 in all 9 cases; leave it out"),
         ({}, fresh(1), "Found array with 1 sample(s)"),
         ({"inputs": [Input("a", 0, 1)]}, fresh(), "inputs has 1 entries for the 3 columns x0, x1, x2"),
@@ -125,17 +116,6 @@ def test_tables_name_the_inputs_and_own_names_do_not_clash() -> None:
     np.testing.assert_allclose(model.predict(pd.DataFrame(fresh(30), columns=names)), truth(fresh(30)), atol=1e-3)
     with pytest.raises(ValueError, match="feature names"):
         model.predict(pd.DataFrame(fresh(30), columns=names[::-1]))
-
-
-def test_pipelines_searches_and_copies_work() -> None:
-    X = fresh(60)
-    scores = cross_val_score(make_pipeline(StandardScaler(), FactorialRegressor()), X, truth(X), cv=3)
-    assert scores.min() > 0.95
-    folds = KFold(2, shuffle=True, random_state=0)
-    search = GridSearchCV(FactorialRegressor(), {"nugget": [1e-10, 1.0]}, cv=folds).fit(X, truth(X))
-    assert search.best_params_ == {"nugget": 1e-10}  # the function has no noise
-    best = search.best_estimator_
-    assert clone(best).get_params() == best.get_params()
 
 
 def test_points_outside_are_answered_unless_refused() -> None:

@@ -17,7 +17,9 @@ import xarray as xr
 from approximation.arrays import Array
 from solver import FactorError, Material, MaterialError, Stack, solve
 from solver.body import Kind
-from solver.face.heat import charged_area, responses, stack_of
+from solver.face.factorvalues import absent
+from solver.face.filmbodies import stack_of
+from solver.face.heat import charged_area, responses
 from solver.face.strain import DEEP, WIDE
 from solver.heat.charge import film_gap
 from solver.heat.touch import Spot
@@ -177,7 +179,8 @@ class SolvedCase:
     @property
     def stack(self) -> Stack | None:
         """The layers of a film; None of a half-space, of a graded film and of a base by its modulus."""
-        if self.body or not self.kind.layered:
+        unknown = (self.factors.get(name) for name in ("base_volume_fraction", "base_modulus"))
+        if self.body or not self.kind.layered or not all(map(absent, unknown)):
             return self.body
         try:
             return stack_of(self.factors, self.materials, self.phases)

@@ -1,7 +1,7 @@
 """The answer as a data set, and back: every field of the values of `answer` has a variable of its own name."""
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any, get_origin, get_type_hints
@@ -203,6 +203,14 @@ def _list(data: xr.Dataset, key: str, *dims: str) -> list[Any]:
 def read(path: Path) -> Answer:
     """The answer in a file ``design/<target>.nc``."""
     return answer_of(read_whole(path))
+
+
+def tell_unreached(studies: Iterable[str], results: str | Path) -> None:
+    """Print a line for each target that no design reaches, by the files ``design.nc`` in the studies' results."""
+    for path in (Path(results) / study / "design.nc" for study in sorted(studies)):
+        data = read_whole(path)
+        for target in data["target"].values[~data["feasible"].values.astype(bool)]:
+            print(f"target {target}: not reachable: {read(path.parent / 'design' / f'{target}.nc').miss}")
 
 
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
