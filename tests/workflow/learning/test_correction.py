@@ -48,11 +48,6 @@ def half_plane(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]
     return study_of(HALF_PLANE, tmp_path_factory.mktemp("half_plane"))
 
 
-@pytest.fixture(scope="module")
-def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
-    return study_of(FILM, tmp_path_factory.mktemp("film"))
-
-
 def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: int, seed: int) -> tuple[Array, Array]:
     """Random points (n, d) and all exact outputs there (n, p), constants moved."""
     points = draws.points(study, count, (seed,))
@@ -70,32 +65,25 @@ def rows(X: Array, exact: Array, outputs: list[int], share: float, seed: int) ->
     )
 
 
-@pytest.mark.parametrize("truths", [1, pytest.param(2, marks=pytest.mark.soak)])
-def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Study, GridGP], truths: int) -> None:
+def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Study, GridGP]) -> None:
     study, model = half_plane
     known = uncertainty.uncertain(study)
-    held, better, moved = [], [], []
-    for seed in range(truths):
-        z = np.random.default_rng(seed).normal(size=len(known))
-        X, exact = truth(study, model, known, z, 140, seed)
-        corrected, summary = correction.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, seed), known)
-        lower, upper = corrected.interval_array(X[40:])
-        held.append((lower <= exact[40:]) & (exact[40:] <= upper))
-        after, before = (
-            np.abs(surrogate.predict_array(X[40:]) - exact[40:]).mean(axis=0) for surrogate in (corrected, model)
-        )
-        better.append(after / before)
-        moved.append(
-            [(c["mean"] - truth_z) / c["std"] for c, truth_z in zip(summary.plain["constants"], z, strict=True)]
-        )
-    # 100 cases x 4 outputs a truth, of which two were never measured
-    assert np.mean(held) >= 0.92
-    assert np.median(better, axis=0)[:2].max() < 0.3
-    assert np.mean(np.abs(moved) < 1.96) > 0.85  # 8 constants a truth
+    z = np.random.default_rng(0).normal(size=len(known))
+    X, exact = truth(study, model, known, z, 140, 0)
+    corrected, summary = correction.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, 0), known)
+    lower, upper = corrected.interval_array(X[40:])
+    # 100 cases x 4 outputs, of which two were never measured
+    assert np.mean((lower <= exact[40:]) & (exact[40:] <= upper)) >= 0.92
+    after, before = (
+        np.abs(surrogate.predict_array(X[40:]) - exact[40:]).mean(axis=0) for surrogate in (corrected, model)
+    )
+    assert (after / before)[:2].max() < 0.3
+    moved = [(c["mean"] - true) / c["std"] for c, true in zip(summary.plain["constants"], z, strict=True)]
+    assert np.mean(np.abs(moved) < 1.96) > 0.85  # of 8 constants
 
 
-def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
-    study, model = film
+def test_a_perturbed_base_is_found(tmp_path: Path) -> None:
+    study, model = study_of(FILM, tmp_path)
     known = uncertainty.uncertain(study, {"steel modulus": None, "steel poisson": None})
     z = np.array([-1.8, 0.5])
     X, exact = truth(study, model, known, z, 60, 3)

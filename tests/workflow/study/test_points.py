@@ -13,6 +13,7 @@ from solver.fields import POINT_FIELDS
 from solver.names import POINT_QUANTITIES
 from surrogate import Input
 from tests.studies import data_set, fitted, made, shipped
+from tests.workflow.study.test_model import POINT
 from workflow.dataset import effects, factorial
 from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
@@ -58,21 +59,10 @@ def test_cases_have_the_quantities_of_points_and_no_datum(study: Study) -> None:
     assert list(study.axes) == ["force_radius_per_thickness3"]
 
 
-RESTS = """\
-title: A ball at rest
-fixed: {surroundings: insulated, material: PZT-4, profile: sphere}
-factors:
-  radius: {low: 5 mm, high: 50 mm, levels: 3}
-  force: {low: 1 N, high: 5 N, levels: 3}
-design:
-  gentle: {minimise: GOAL, over: [radius], at: {force: 2 N}}
-"""
-
-
 @pytest.mark.parametrize(("goal", "friction"), [("trailing_tension", 0.0), ("peak_pressure", None)])
 def test_what_friction_adds_is_asked_of_points_that_rest(goal: str, friction: float | None) -> None:
     """Without naming a friction, which is then 0; where nothing of it is asked for, none is named."""
-    study = made(RESTS.replace("GOAL", goal))
+    study = made(f"{POINT}design: {{gentle: {{minimise: {goal}, over: [force]}}}}\n")
     assert study.fixed.get("friction") == friction
     assert goal in study.quantities
     assert remade(study).fixed == study.fixed

@@ -100,7 +100,6 @@ REFUSED: list[tuple[str, str, str, str]] = [
     # categories
     (CATALOGUE, "  profile: [cylinder, half_cylinder]", "  profile: [cylinder, cylinder]", "a name is given twice"),
     (CATALOGUE, "  profile: [cylinder, half_cylinder]", "  colour: [red, blue]", "'colour' is not a category"),
-    (CATALOGUE, "  charge: 0.0", "  profile: flat", "fixed: profile: is one of the categories already"),
     (CATALOGUE, "[radius, material, profile]", "[radius, material]", "design: voltage: 'profile' is missing"),
     (CATALOGUE, "{voltage: 0.1 %}", "{voltage: 2 A}", "readout.voltage: measured: voltage: unit mismatch: '2 A'"),
     (BOX, "magnetic_charge: 0.0", "profile: half_cylinder",
@@ -162,19 +161,14 @@ REFUSED: list[tuple[str, str, str, str]] = [
      "base: a body needs a base, or else base_modulus and base_poi"),
     (LAYERS, "volume_fraction: volume_fraction, ", "",
      "body.0: volume_fraction: missing; must be a finite number >= 0"),
-    (LAYERS, "s: copper_thickness", "s: copper",
-     "body.1: thickness: 'copper' is no name of such a factor; must be thick"),
     (LAYERS, "s: copper_thickness", "s: thickness",
      "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
     (LAYERS, "low: 4e-5", "low: -1e-3", "factors: copper_thickness: -0.001 is not a finite number > 0 [m]"),
-    (LAYERS, "{electric: grounded}", "{magnetic: insulated}",
-     "interface_magnetic: 'insulated' is allowed above a rigid"),
     # presses in time
     (PRESSED, "signal: {design: touch,", "signal: {study: ball, design: touch,",
      "signal: design: 'touch' is a name of this study's designs"),
     (PRESSED, "signal: {design: touch,", "signal: {", "signal.design: missing"),
     (PRESSED, "design: touch", "design: tuch", "signal: design: 'tuch' is not a design target; known are touch"),
-    (PRESSED, "force: 50 mN", "force: 50 mV", "unit mismatch"),
     (PRESSED, "hold: 1 s", "hold: 0", "0 is not a finite number > 0 [s]"),
     (PRESSED, "device: {", "# {", "signal: needs device: amplifier"),
     # parts of a factorial
@@ -185,9 +179,6 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (CROSSED, "slabs: 2", "slabs: 2, peaks: true",
      "dataset: peaks: surrogate: method: cross learns no largest stresses"),
     (CROSSED, "method: cross", "method: kross", "surrogate.method: 'kross': input should be"),
-    (CROSSED, "volume_fraction: volume_fraction, thickness: thickness}",
-     "volume_fraction: volume_fraction, thickness: 2e-4}",
-     "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
     # measured rows
     (MEASURED, "value: 13.0", "value: -13.0",
      "measurements.lithium_niobate_tip.value: -13.0: input should be greater than 0"),
