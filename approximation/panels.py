@@ -135,12 +135,9 @@ def _derived(count: int) -> Array:
 
 
 def jets(fields: Array, across: Array, down: Array) -> Array:
-    """Return values and derivatives of fields at a place of each: (n, m, 3, 3).
+    """Return values and derivatives of fields (n, m, down, across) at a place of each, told by `rows`: (n, m, 3, 3).
 
     The last axes are the orders in the second and the first coordinate.
-
-    fields: (n, m, down, across), values at the points of a panel; across, down: (n, 3, across), (n, 3, down), as of
-    `rows`.
     """
     n, m, height, width = fields.shape
     along = (fields.reshape(n, m * height, width) @ np.swapaxes(across, 1, 2)).reshape(n, m, height, 3)

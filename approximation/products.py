@@ -1,6 +1,6 @@
 """Products of Chebyshev polynomials of several coordinates, each known by its degrees."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,13 +30,6 @@ def values(degrees: Indices, t: Array) -> Array:
     return product(degrees, polynomials(t, 1 + int(degrees.max())))
 
 
-def slopes(degrees: Indices, t: Array) -> Iterator[Array]:
-    """Yield the derivatives of `values` by every coordinate, (m, B) each, of degrees (m, d) at places (d, B)."""
-    T = polynomials(t, max(2, 1 + int(degrees.max())))
-    S = derivatives(t, T)
-    return (product(degrees, T, S, k) for k in range(len(t)))
-
-
 def polynomials(t: Array, count: int) -> Array:
     """Return T_0 .. T_{count-1} of every coordinate at places (d, B): (count, d, B)."""
     return chebyshev.polynomials(t.ravel(), count).reshape(count, *t.shape)
@@ -48,11 +41,7 @@ def derivatives(t: Array, T: Array) -> Array:
 
 
 def product(degrees: Indices, T: Array, S: Array | None = None, derived: int = -1) -> Array:
-    """Return products of polynomials that are known, (m, B).
-
-    degrees: (m, d); T: (count, d, B), the polynomials of every coordinate; S: (count, d, B), their derivatives; None
-    where none is asked for.
-    """
+    """Return products, (m, B), of degrees (m, d) of polynomials T, (count, d, B), one of them in its derivative S."""
     whole = np.ones((len(degrees), T.shape[2]))
     for k, degree in enumerate(degrees.T):
         if S is not None and k == derived:

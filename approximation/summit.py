@@ -28,13 +28,9 @@ class Top:
 
 
 def highest(fields: Array, counts: tuple[int, ...], measure: Measure) -> Top:
-    """Find where a measure is largest on panels side by side, from the best points of several hills; (n,).
+    """Find where a measure of fields (n, m, down, across) is largest on panels side by side, from several hills.
 
-    Notes
-    -----
     Of tops that are equal but for rounding, the first from the left is given.
-
-    fields: (n, m, down, across).
     """
     ends = np.cumsum((0, *counts))
     curves, down, across = _hills(measure.values(fields.reshape(*fields.shape[:2], -1)), fields.shape[2], ends)
@@ -114,10 +110,7 @@ def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
 
 
 def held(place: Array, slope: Array, count: int | Indices) -> Flags:
-    """Mark coordinates that an end of the panel holds, or that the panel does not have.
-
-    place, slope: (n,), the coordinate, within [-1, 1], and the measure's derivative by it.
-    """
+    """Mark coordinates (n,) that an end of the panel holds, as the measure rises beyond it, or that the panel lacks."""
     return np.asarray(((np.abs(place) >= 1) & (place * slope > 0)) | (np.asarray(count) == 1))
 
 

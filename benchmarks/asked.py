@@ -1,8 +1,7 @@
 """Cost of what users call most, beside numpy, scipy and scikit-learn in the same run, and over what issue 42 asked.
 
 Processor time on one thread. A contact in air solves systems of its 160 unknowns (320 with friction): the yardstick is
-`numpy.linalg.solve` of one. That of tables is the same contact in plain numpy (`benchmarks/closedform.py`), that of
-commands and studies `import numpy`.
+`numpy.linalg.solve` of one. That of commands and studies is `import numpy`.
 """
 
 import shutil
@@ -20,9 +19,7 @@ import solver
 from approximation.arrays import Array
 from approximation.chebyshev import gauss_points
 from benchmarks import least, scattered, timed
-from benchmarks.closedform import cylinders
 from benchmarks.rivals import GRID_RIVALS, installed
-from solver.material.constants import UNITS
 from surrogate import GridGP, Input
 from workflow.run.provenance import ROOT
 
@@ -50,14 +47,13 @@ COMMANDS = {
 _QUERY = "volume_fraction=0.5,friction=0.2,radius=0.05,load=1e4,charge=0"
 #: Studies that are run, and measured rows that the surrogate of the first learns from.
 STUDIES, MEASURED = ("quickstart", "large"), 40
-#: Most seconds of processor time that issue 42 asks for, and most times the yardstick.
+#: Most seconds of processor time that issue 42 asks for.
 SECONDS = {
     "line in air, a further load": 20e-3, "line in air with friction, a further load": 30e-3,
     "ball in air, a further force": 5e-3, "half-planes, a material a row, a row": 10e-6,
     "half-plane, a case alone": 3e-3, "meecontact --help": 0.3, "meecontact solve, one row": 0.8,
     "meecontact query": 0.8, "meecontact learn": 3.0, "study quickstart": 35.0, "study large": 60.0,
 }  # fmt: skip
-TIMES = {"half-planes, one material, a row": 1.5, f"half-planes, {MATERIALS} materials, a row": 1.5}
 #: Scattered cases of the comparison of fits.
 SCATTERED = 256
 
@@ -93,30 +89,17 @@ def tables() -> dict[str, float]:
     }
     result = dict[str, float]()
     for name, fraction in fractions.items():
-        ours, plain = half_planes(fraction, cases)
-        result |= _beside(name, least(ours).processor / ROWS, "numpy", least(plain).processor / ROWS)
-    ours, plain = half_planes(few[:1], {name: values[:1] for name, values in cases.items()})
-    ours()
-    alone, of_numpy = (least(action, 20).processor for action in (ours, plain))
-    return result | _beside("half-plane, a case alone", alone, "numpy", of_numpy)
+        result |= _beside(name, least(_half_planes(fraction, cases)).processor / ROWS)
+    alone = _half_planes(few[:1], {name: values[:1] for name, values in cases.items()})
+    alone()
+    return result | _beside("half-plane, a case alone", least(alone, 20).processor)
 
 
-def half_planes(
-    fraction: Array, cases: dict[str, Array]
-) -> tuple[Callable[[], xr.Dataset], Callable[[], dict[str, Array]]]:
-    """A table of sliding cylinders on a composite for the solver and for plain numpy, which gets the constants."""
-    distinct = np.unique(fraction)
-    composite = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), distinct)
-    constants = {name: np.broadcast_to(getattr(composite, name), distinct.shape) for name in UNITS}
-
-    def plain() -> dict[str, Array]:
-        which = np.unique(fraction, return_inverse=True)[1]
-        loads = cases["radius"], cases["load"], cases["friction"]
-        return cylinders(constants, np.resize(which, cases["load"].size), *loads)
-
+def _half_planes(fraction: Array, cases: Mapping[str, Array]) -> Callable[[], xr.Dataset]:
+    """A table of sliding cylinders on a composite."""
     columns = {name: xr.DataArray(values, dims="case") for name, values in cases.items()}
     fractions = xr.DataArray(fraction, dims="case") if fraction.size > 1 else float(fraction[0])
-    return _solving(columns | {"composite": "fibrous", "volume_fraction": fractions}), plain
+    return _solving(columns | {"composite": "fibrous", "volume_fraction": fractions})
 
 
 def commands() -> dict[str, float]:
@@ -181,11 +164,10 @@ def queries() -> dict[str, float]:
     return _beside("a query of a mean", ours, "scipy NdBSpline", scipy)
 
 
-def _beside(name: str, cost: float, rival: str, yardstick: float) -> dict[str, float]:
-    """Cost [s] of a row, over that of its yardstick, and over what was asked."""
-    row = {f"{name} [s]": cost, f"{name}, over {rival}": cost / yardstick}
-    limit = SECONDS.get(name, TIMES.get(name, np.inf) * yardstick)
-    return row | ({f"{name}, over what was asked": cost / limit} if np.isfinite(limit) else {})
+def _beside(name: str, cost: float, rival: str = "", yardstick: float = np.nan) -> dict[str, float]:
+    """Cost [s] of a row, over that of its yardstick, if there is one, and over what was asked."""
+    row = {f"{name} [s]": cost} | ({f"{name}, over {rival}": cost / yardstick} if rival else {})
+    return row | ({f"{name}, over what was asked": cost / SECONDS[name]} if name in SECONDS else {})
 
 
 def _solving(case: Mapping[str, object]) -> Callable[[], xr.Dataset]:

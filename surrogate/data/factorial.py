@@ -162,10 +162,7 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
 
 
 def check_levels(inputs: Sequence[Input], levels: Sequence[Array]) -> None:
-    """Raise ValueError, naming input and level, unless ascending levels suit their inputs.
-
-    levels: sequence of ndarray, shape (n,), of every input in its units.
-    """
+    """Raise ValueError, naming input and level, unless ascending levels (n,) of every input, in its units, suit it."""
     for input_, values in zip(inputs, levels, strict=True):
         if len(values) > MOST_OF_A_FACTOR:
             raise ValueError(f"input {input_.name!r} has {len(values)} levels; a factor has at most {MOST_OF_A_FACTOR}")

@@ -154,10 +154,7 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
 
 
 def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
-    """Map physical points to scaled coordinates, as `Input.to_unit`: (d, n), one contiguous row an input.
-
-    X: (n, d), points in physical units.
-    """
+    """Map physical points X, (n, d), to scaled coordinates as `Input.to_unit`: (d, n), one contiguous row an input."""
     low, width, logs, logits = _scales(tuple(inputs))
     t = np.subtract(X.T, low, order="C")
     if logs.size:
@@ -171,10 +168,7 @@ def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
 
 
 def physical_points(inputs: Sequence[Input], t: Array) -> Array:
-    """Map scaled coordinates to physical points, (n, d): the inverse of `unit_coordinates`.
-
-    t: (d, n), scaled coordinates.
-    """
+    """Map scaled coordinates t, (d, n), to physical points, (n, d): the inverse of `unit_coordinates`."""
     return np.stack([input_.from_unit(row) for input_, row in zip(inputs, t, strict=True)], axis=1)
 
 

@@ -89,7 +89,7 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
         )
     X = np.empty((*shape, len(names)))
     for k, (name, array) in enumerate(arrays.items()):
-        X[..., k] = _broadcast(array, sizes)
+        X[..., k] = array.variable.set_dims(sizes).values  # type: ignore[no-untyped-call]
         bad = ~np.isfinite(array.values)
         if bad.any():
             where = int(np.count_nonzero(~np.isfinite(X[..., k])))
@@ -105,19 +105,13 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
 
 
 def outside(X: Array, inputs: Sequence[Input]) -> Flags:
-    """Return which entries lie outside the box, shape (n, d); NaN counts as outside.
-
-    X: (n, d), points in physical units.
-    """
+    """Mark the entries of physical points X, (n, d), that lie outside the box, (n, d); NaN counts as outside."""
     low, high = _margins(tuple(inputs))
     return np.asarray(~((low <= X) & (high >= X)))
 
 
 def require_inside(X: Array, inputs: Sequence[Input]) -> None:
-    """Raise OutOfBoxError, naming input, value and allowed range, unless all points lie in the box.
-
-    X: (n, d), points in physical units.
-    """
+    """Raise OutOfBoxError, with input, value and allowed range, unless physical points X, (n, d), lie in the box."""
     wrong = outside(X, inputs)
     if wrong.any():
         row, column = np.argwhere(wrong)[0]
@@ -201,12 +195,6 @@ def _check_names(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -
     for name in names:
         if name not in points:
             raise ValueError(f"input {name!r} is missing; the inputs are {', '.join(names)}")
-
-
-def _broadcast(array: xr.DataArray, sizes: Mapping[Hashable, int]) -> Array:
-    """The values with one axis for each dimension, of length one where they do not vary."""
-    present = [dim for dim in sizes if dim in array.dims]
-    return array.transpose(*present).values.reshape([array.sizes.get(dim, 1) for dim in sizes])
 
 
 def _as_array(name: str, value: object, names: Sequence[str]) -> xr.DataArray:

@@ -677,8 +677,5 @@ class GaussianProcess(ABC):
 
 
 def in_blocks(t: Array, evaluate: Callable[[Array], Array]) -> Array:
-    """Return what many points give, (p, n), asked for in blocks.
-
-    t: (d, n), scaled coordinates.
-    """
+    """Evaluate a function at scaled coordinates t, (d, n), in blocks: (p, n)."""
     return np.concatenate([evaluate(t[:, block]) for block in blocks(t.shape[1], BLOCK)], axis=1)

@@ -176,7 +176,9 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
         )
     try:
         check_sizes(stored)
-        _check_numbers(stored)
+        for name, variable in stored.variables.items():
+            if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
+                raise ValueError(f"variable {name!r} is not finite")
         with little_memory(file):
             model = restored(stored, tuple(ENGINES))
             answers = _answers(model, stored["probe_point"].transpose("probe", "input").values)
@@ -226,12 +228,6 @@ def _outputs(stored: xr.Dataset) -> dict[str, dict[str, str]]:
         name: {key: text for key, text in (("units", unit), ("long_name", meaning)) if text}
         for name, unit, meaning in zip(names.tolist(), units.tolist(), meanings.tolist(), strict=True)
     }
-
-
-def _check_numbers(stored: xr.Dataset) -> None:
-    for name, variable in stored.variables.items():
-        if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
-            raise ValueError(f"variable {name!r} is not finite")
 
 
 def check_sizes(stored: xr.Dataset) -> None:

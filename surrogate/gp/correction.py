@@ -119,10 +119,7 @@ class Correction:
 
 
 def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = None) -> Indices | None:
-    """Choose the terms of the amplitudes: every index with sum_j a_j cost_j up to what the number of cases allows.
-
-    result: (m, d), or None.
-    """
+    """Choose the amplitudes' terms a, (m, d): all of sum_j a_j cost_j up to what the cases allow; None if too few."""
     cost = np.minimum(-0.5 * np.log(rho), DEAREST)
     most = min(cases // CASES_A_TERM, MOST_TERMS) // len(cost)
     shared = [k for k, count in enumerate(known_at or ()) if count < cases]
@@ -153,12 +150,10 @@ def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = N
 def correct(
     errors: Array, t: Array, levels: tuple[int, ...], rho: Sequence[float], groups: Indices
 ) -> tuple[Correction | None, Array]:
-    """Learn the correction of a mean from held-out cases.
+    """Learn the correction of a mean from held-out errors (p, n) at t, (d, n); return it, if any, and what it leaves.
 
     Ordinary least squares, and for outputs whose errors they spread about, weighted ones. An output whose errors do not
     become smaller keeps its mean.
-
-    errors: (p, n); t: (d, n); groups: (n,); result: correction : Correction or None.
     """
     indices = degrees(rho, errors.shape[1], places(t, groups).tolist())
     if indices is None:

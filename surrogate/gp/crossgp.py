@@ -109,12 +109,10 @@ def _fresh(random: np.random.Generator, sizes: Sequence[int], requested: Mapping
 
 
 def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Crossed:
-    """Go through steps as far as blocks are known.
+    """Go through steps as far as blocks are known: return the indices (n, d) that lack one, or what was found.
 
     An approximation has no state but the blocks that it was given: it is gone through again from its first step, which
     costs little beside the blocks, and so an interrupted one goes on as if nothing had happened.
-
-    result: (n, d), or Crossed.
     """
     wanted = next(steps)
     while True:
@@ -129,10 +127,7 @@ def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Cross
 
 
 def interpolation(matrix: Array, left: float, first: Sequence[int] = ()) -> tuple[Indices, Array]:
-    """Choose rows of a matrix from which all others follow.
-
-    matrix: (m, n); result: (r,).
-    """
+    """Choose rows, (r,), of a matrix (m, n) from which all rows follow by weights (m, r)."""
     rows, residual = list(first), matrix
     if rows:
         basis = qr(matrix[rows].T, mode="economic")[0]
@@ -358,7 +353,6 @@ class CrossGP(GridGP):
         for gram, size in zip(grams, sizes, strict=True):
             gram /= (spread**2 * (self._places() / size))[:, None, None]
         back = np.argsort(self.order_)
-        points = [input_.to_unit(levels) for input_, levels in zip(self.inputs_, self.levels_, strict=True)]
-        self._choose(points, [grams[k] for k in back])
+        self._choose([grams[k] for k in back])
         whole = TensorTrain((*train.cores[:-1], train.cores[-1] / spread))
         self.train_ = whole.scaled([self.factors_[k].weights for k in self.order_])

@@ -7,7 +7,7 @@ factor's own kernel matrix alone (Rasmussen and Williams, section 5.4.2, applied
 coefficients C along the factor.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import Any, ClassVar, Self
 
@@ -30,10 +30,7 @@ COARSE = 25
 
 
 def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
-    """Return leave-one-level-out errors and their variances.
-
-    grams: (p, n, n); result: (p, n).
-    """
+    """Return leave-one-level-out errors, (p, n), and their variances, (n,), from Gram matrices (p, n, n)."""
     inverse, diagonal = factor.inverse()
     squares = np.einsum("pij,ij->pi", inverse @ grams, inverse)
     # a constant or exactly reproduced output has no error: rounding keeps its logarithm finite
@@ -41,45 +38,33 @@ def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
     return np.maximum(squares, 0) / diagonal**2 + np.finfo(float).eps ** 2 * energy + np.finfo(float).tiny, 1 / diagonal
 
 
-def most_predictive(make: Callable[[float], Factor], grams: Array, bounds: tuple[float, float]) -> Factor:
+def most_predictive(levels: int, grams: Array) -> Factor:
     """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
 
     The kernel has unit variance averaged over the levels, as the standardised outputs have, so that its decay follows
-    the size of the errors: the mean hardly depends on it.
-
-    grams: (p, n, n), C C^T of every output along the factor.
+    the size of the errors: the mean hardly depends on it. `grams` are C C^T of every output along it, (p, n, n).
     """
 
     def cost(logarithm: float) -> float:
-        factor = make(float(np.exp(logarithm)))
+        factor = Factor(levels, float(np.exp(logarithm)))
         errors, variances = level_errors(factor, grams)
         variances = variances / (1 + factor.features(factor.t, 1).prior.mean())
         return float(np.mean(errors / variances) + np.mean(np.log(variances)))
 
-    return make(least(cost, bounds, COARSE))
-
-
-def least(cost: Callable[[float], float], bounds: tuple[float, float], steps: int) -> float:
-    """Return the positive number of least cost: the best of some steps, then a search between its neighbours."""
-    grid = np.linspace(float(np.log(bounds[0])), float(np.log(bounds[1])), steps)
+    lowest = max(1e-3, 10.0 ** (-125 / levels))  # rho^(2n) does not underflow
+    grid = np.linspace(float(np.log(lowest)), float(np.log(0.95)), COARSE)
     best = int(np.argmin([cost(logarithm) for logarithm in grid]))
-    around = (grid[max(best - 1, 0)], grid[min(best + 1, steps - 1)])
+    around = (grid[max(best - 1, 0)], grid[min(best + 1, COARSE - 1)])
     optimum = scipy.optimize.minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-3})
-    return float(np.exp(optimum.x))
-
-
-def rho_bounds(levels: int) -> tuple[float, float]:
-    """Range of the Chebyshev kernel's rho: neither end under- or overflows in rho^(2n)."""
-    return max(1e-3, 10.0 ** (-125 / levels)), 0.95
+    return Factor(levels, float(np.exp(optimum.x)))
 
 
 def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array, Array]:
     """Return the amplitude of every factor and output, (d, p), and the variance of every output, (p,).
 
     The mean does not depend on either. With standardised outputs, prior variance averaged over the levels is 1, and the
-    amplitude of a factor makes its leave-one-level-out errors as large as predicted.
-
-    grams: sequence of ndarray, shape (p, n, n), C C^T of every output along each factor.
+    amplitude of a factor makes its leave-one-level-out errors as large as predicted. `grams` are C C^T of every output
+    along each factor, (p, n, n).
     """
     outputs = len(grams[0])
     ratios, sizes = np.empty((len(factors), outputs)), np.empty(len(factors))
@@ -184,39 +169,40 @@ class GridGP(GaussianProcess):
         self.inputs_, self.levels_ = data.inputs, data.levels
         self.outputs_, self.attrs_ = tuple(data.outputs), data.attrs
         self.cases_, self.calibration_, self.correction_ = self._places(), None, None
-        points = [factor_input.to_unit(levels) for factor_input, levels in zip(data.inputs, data.levels, strict=True)]
-        coefficients, grams = self._coefficients(data, points)
-        self._choose(points, grams)
+        coefficients, grams = self._coefficients(data)
+        self._choose(grams)
         self.order_, ordered = joined(coefficients)
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, ordered.shape, strict=False)]
         self.train_ = compress(ordered, float(np.sqrt(self._allowed()))).scaled(weights)
         return self
 
-    def _choose(self, points: Sequence[Array], grams: Sequence[Array]) -> None:
+    def _choose(self, grams: Sequence[Array]) -> None:
         """Choose the factors' kernels and the variance, from the coefficients' Gram matrices, a case at a level."""
-        self.factors_ = tuple(self._factor(k, t, grams[k]) for k, t in enumerate(points))
+        self.factors_ = tuple(self._factor(*pair) for pair in zip(self.inputs_, grams, strict=True))
         self.hyperparameters_ = {
             input_.name: f.parameter for input_, f in zip(self.inputs_, self.factors_, strict=True)
         }
         self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
 
-    def _coefficients(self, data: Factorial, points: Sequence[Array]) -> tuple[list[Array], list[Array]]:
+    def _coefficients(self, data: Factorial) -> tuple[list[Array], list[Array]]:
         """Standardise every output and take it to the factors' bases.
 
-        Returns the significant coefficients of every output, and for every factor the Gram matrices of the
-        coefficients along it, (p, n, n), a case at a level.
+        Returns the coefficients of every output, without the highest modes of a factor as long as the sum of their
+        squares stays small, and the Gram matrices of all along every factor, (p, n, n), a case at a level.
         """
-        bases = [cosine_basis(len(t))[0] for t in points]
+        bases = [cosine_basis(len(levels))[0] for levels in data.levels]
         self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
-        grams = [np.empty((len(data.outputs), len(t), len(t))) for t in points]
-        significant_coefficients = []
+        grams = [np.empty((len(data.outputs), *basis.shape)) for basis in bases]
+        significant = []
         for p, values in enumerate(data.outputs.values()):
             output_grams = [gram[p] for gram in grams]
             coefficients, self.offset_[p], self.scale_[p] = standardised(values, bases, output_grams)
-            significant_coefficients.append(significant(coefficients, output_grams, self._allowed() / len(points)))
-        for gram, t in zip(grams, points, strict=True):
-            gram /= self._places() / len(t)
-        return significant_coefficients, grams
+            tails = [np.cumsum(np.diag(gram)[::-1])[::-1] for gram in output_grams]
+            sizes = [max(1, int(np.count_nonzero(tail > self._allowed() / len(bases)))) for tail in tails]
+            significant.append(coefficients[tuple(map(slice, sizes))].copy())
+        for gram in grams:
+            gram /= self._places() / gram.shape[1]
+        return significant, grams
 
     def _places(self) -> int:
         """Number of places of the grid."""
@@ -226,13 +212,11 @@ class GridGP(GaussianProcess):
         """Squared error allowed to dropping high modes, and as much again to the tensor train."""
         return self.compression**2 * self._places() / 2
 
-    def _factor(self, k: int, t: Array, grams: Array) -> Factor:
-        fixed = (self.hyperparameters or {}).get(self.inputs_[k].name)
-        if fixed is None and len(t) == 2:
-            fixed = 0.5  # affine: rho has no part in it
-        if fixed is not None:
-            return Factor(len(t), fixed)
-        return most_predictive(lambda rho: Factor(len(t), rho), grams, rho_bounds(len(t)))
+    def _factor(self, factor_input: Input, grams: Array) -> Factor:
+        rho, levels = (self.hyperparameters or {}).get(factor_input.name), grams.shape[1]
+        if rho is None and levels > 2:
+            return most_predictive(levels, grams)
+        return Factor(levels, 0.5 if rho is None else rho)  # of two levels, affine, rho has no part
 
     @override
     def state(self) -> xr.Dataset:
@@ -352,53 +336,34 @@ class GridGP(GaussianProcess):
         return np.stack([self._variance(features, weights, (k, slope)) for k, slope in enumerate(slopes)])
 
     def _variance(self, features: list[Features], weights: Array, slope: tuple[int, Features] | None = None) -> Array:
-        """Return the weighted variance, (p, B), of the means, or of their slopes along a factor."""
-        return unit_variance(self.amplitude_, features, weights, slope) * self._size[:, None]
+        """Return the variance, (p, B), of the means, or of their slopes along a factor, its parts weighted by (d, p).
 
-    @property
-    def _size(self) -> Array:
-        """Variance of the process of every output in its units squared, (p,)."""
-        return np.asarray(self.variance_ * self.scale_**2)
+        prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
+        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
+        that with the slopes of one factor in place of its features it is the variance of the derivative.
+        """
+        shape = (len(self.outputs_), len(features[0].prior))
+        unknown, known = np.zeros(shape), np.ones(shape)
+        for f, (amplitude, weight) in enumerate(zip(self.amplitude_, weights, strict=True)):
+            derived = slope is not None and slope[0] == f
+            feature = slope[1] if slope is not None and derived else features[f]
+            k = amplitude[:, None] * feature.prior + (0.0 if derived else 1.0)
+            r = amplitude[:, None] * feature.residual
+            unknown *= k
+            unknown += known * r * weight[:, None]
+            k -= r
+            known *= k
+        return np.asarray(unknown * (self.variance_ * self.scale_**2)[:, None])
 
     def _features(self, t: Array, slopes: bool = False) -> list[Features]:
         modes = dict(zip(self.order_, self.train_.modes, strict=True))
         return [(f.slopes if slopes else f.features)(t[k], modes[k]) for k, f in enumerate(self.factors_)]
 
 
-def unit_variance(
-    amplitudes: Array,
-    features: Sequence[Features],
-    weights: Array,
-    slope: tuple[int, Features] | None = None,
-) -> Array:
-    """Return the posterior variance at unit process variance, (p, B), its parts weighted by (d, p).
-
-    prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
-    q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
-    that with the slopes of one factor in place of its features it is the variance of the derivative.
-
-    amplitudes: (d, p); weights: (d, p).
-    """
-    shape = (amplitudes.shape[1], len(features[0].prior))
-    unknown, known = np.zeros(shape), np.ones(shape)
-    for f, (amplitude, weight) in enumerate(zip(amplitudes, weights, strict=True)):
-        derived = slope is not None and slope[0] == f
-        feature = slope[1] if slope is not None and derived else features[f]
-        k = amplitude[:, None] * feature.prior + (0.0 if derived else 1.0)
-        r = amplitude[:, None] * feature.residual
-        unknown *= k
-        unknown += known * r * weight[:, None]
-        k -= r
-        known *= k
-    return unknown
-
-
 def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
-    """Standardise one output and take its coefficients in the factors' bases.
+    """Standardise an output (n_1, ..., n_d): return its coefficients in the factors' bases, its mean and its deviation.
 
-    values: (n_1, ..., n_d), the output; bases: sequence of ndarray, shape (n_f, n_f), orthonormal columns of every
-    factor; grams: sequence of ndarray, shape (n_f, n_f), into which the coefficients' products along every factor
-    are written; result: (n_1, ..., n_d).
+    The coefficients' products along every factor are written into `grams`, (n_f, n_f).
     """
     offset = float(values.mean())
     residual: Any = values - offset
@@ -410,19 +375,6 @@ def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) 
         gram[...] = residual.T @ residual
         scale = 1.0
     return residual.reshape(values.shape), offset, spread if spread > 0 else 1.0
-
-
-def significant(coefficients: Array, grams: Sequence[Array], allowed: float) -> Array:
-    """Drop the highest modes of every factor, as long as their sum of squares stays small.
-
-    coefficients: (n_1, ..., n_d), of one output; grams: sequence of ndarray, shape (n_f, n_f), their products along
-    every factor.
-    """
-    sizes = []
-    for gram in grams:
-        tail = np.cumsum(np.diag(gram)[::-1])[::-1]
-        sizes.append(max(1, int(np.count_nonzero(tail > allowed))))
-    return coefficients[tuple(map(slice, sizes))].copy()
 
 
 def joined(coefficients: Sequence[Array]) -> tuple[tuple[int, ...], Array]:

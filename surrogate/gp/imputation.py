@@ -51,10 +51,7 @@ def fit(make: Callable[[], GridGP], data: xr.Dataset, missing: Flags) -> GridGP:
 
 
 def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
-    """Return the posterior mean at the missing places, given the values at all others.
-
-    values: (n_1, ..., n_d, p); missing: (n_1, ..., n_d); result: (m, p).
-    """
+    """Return the posterior mean at the missing places, (m, p), given values (n_1, ..., n_d, p) at all others."""
     dependent = [k for k in range(missing.ndim) if (missing != np.take(missing, [0], axis=k)).any()]
     independent = [k for k in range(missing.ndim) if k not in dependent]
     order = [*dependent, *independent]

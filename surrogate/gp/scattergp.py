@@ -32,10 +32,7 @@ VARIANCES, NOISE = (1e-6, 1e6), (1e-12, 1e1)  # of signal and noise, relative to
 
 
 class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
-    """The Chebyshev kernel on [-1, 1]^d; coordinates beyond count as those of the nearest end.
-
-    first, rho: shape (d,).
-    """
+    """The Chebyshev kernel on [-1, 1]^d, parameters (d,); coordinates beyond count as those of the nearest end."""
 
     def __init__(self, first: Array, rho: Array) -> None:
         self.first, self.rho = first, rho
@@ -96,10 +93,7 @@ class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
 
 
 class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
-    """Noise of the cases that a process is fitted to: its variance is divided by a case's weight.
-
-    weights: shape (n,), optional.
-    """
+    """Noise of the cases that a process is fitted to: its variance is divided by a case's weight, of weights (n,)."""
 
     def __init__(
         self, noise_level: float = 1e-4, noise_level_bounds: tuple[float, float] = NOISE, weights: Array | None = None

@@ -41,10 +41,7 @@ class TensorTrain:
         return np.asarray(state)
 
     def gradient(self, features: Sequence[Array], slopes: Sequence[Array]) -> Array:
-        """Contract with the features of all factors but one, and the slopes of that one: (d, p, B).
-
-        features, slopes: sequence of ndarray, shape (modes, B), of every core, and their derivatives.
-        """
+        """Contract with the features (modes, B) of all factors but one, and the slopes of that one: (d, p, B)."""
         states: list[Array | None] = [None]
         for core, feature in zip(self.cores, features, strict=True):
             states.append(_absorb(states[-1], core, feature))
@@ -96,10 +93,7 @@ class TensorTrain:
 
 
 def compress(tensor: Array, error: float) -> TensorTrain:
-    """Compress a tensor to a stated error.
-
-    tensor: (modes_1, ..., modes_d, p).
-    """
+    """Compress a tensor (modes_1, ..., modes_d, p) to a stated error."""
     *modes, outputs = tensor.shape
     allowed = error**2 / max(len(modes) - 1, 1)
     cores, remainder, rank = [], tensor, 1

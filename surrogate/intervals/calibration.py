@@ -57,10 +57,7 @@ class Calibration:
     copula: Copula | None = None  # How errors of outputs and points go together; None in files of before
 
     def std(self, variance: Array, t: Array) -> Array:
-        """Return calibrated standard deviations, (p, B).
-
-        variance: (p, B), weighted, squared units of the outputs; t: (d, B), scaled coordinates.
-        """
+        """Return calibrated standard deviations of weighted variances, (p, B) each, at scaled coordinates t, (d, B)."""
         return np.asarray(np.sqrt(variance + self.floor[:, None]) * self.stretch(t))
 
     def stretch(self, t: Array) -> Array:

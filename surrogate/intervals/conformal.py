@@ -56,10 +56,9 @@ def calibrate(
     even: Flags | None = None,
     outer: Array | None = None,
 ) -> Calibration:
-    """Calibrate on held-out cases.
+    """Calibrate on held-out errors and parts of their variances, (p, n) each, at scaled coordinates t, (d, n).
 
-    errors: (p, n); parts: sequence of ndarray, shape (p, n); t: (d, n); groups: (n,); even: (n,), optional; outer:
-    (e, n), optional.
+    Cases belong to groups, (n,); `even`, (n,), marks those drawn evenly; `outer`, (e, n): a wrapping model's inputs.
     """
     even = np.ones(t.shape[1], dtype=bool) if even is None else even
     weights, floor, logarithms = _sizes(errors, parts)
@@ -191,12 +190,10 @@ def _cross_fitted(A: Array, logarithms: Array, trend: Array, groups: Indices) ->
 
 
 def quantile_regression(A: Array, y: Array, level: float, start: Array | None = None) -> Array:
-    """Fit coefficients b so that a share `level` of y lies below A b.
+    """Fit coefficients b, (k,), so that a share `level` of y, (n,), lies below A b, A being (n, k).
 
     Minimises the check function of R. Koenker and G. Bassett, Econometrica 46 (1978) 33, convolved with a Gaussian (M.
     Fernandes, E. Guerre and E. Horta, J. Bus. Econ. Stat. 39 (2021) 338), whose width shrinks as the fit improves.
-
-    A: (n, k); y: (n,); start: (k,), optional; result: (k,).
     """
     A = np.ascontiguousarray(A)  # cases are picked out of it
     b = _least_squares(A, y, level) if start is None else start

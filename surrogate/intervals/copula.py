@@ -41,10 +41,7 @@ class Copula:
 
     @classmethod
     def of(cls, scores: Array, t: Array) -> Self:
-        """Return that of held-out cases.
-
-        scores: (p, n); NaN: of what has no error; t: (d, n), scaled coordinates.
-        """
+        """Return that of held-out scores, (p, n), NaN where there is no error, at scaled coordinates t, (d, n)."""
         rows = _evenly(scores.shape[1], MOST_ROWS)
         ranks = _ranks(scores[:, rows])
         sample = _evenly(scores.shape[1], _CASES)
@@ -53,10 +50,7 @@ class Copula:
         return cls(ranks, _lengths(np.asarray(scipy.special.ndtri(shares)), _angles(t[:, sample])))
 
     def near(self, t: Array, other: Array) -> Array:
-        """Return the correlation over points of one error, (n, k).
-
-        t, other: (d, n), (d, k), scaled coordinates.
-        """
+        """Return the correlation of one error, (n, k), between scaled coordinates t, (d, n), and others, (d, k)."""
         return np.asarray(np.exp(-0.5 * _squares(_angles(t), _angles(other), self.lengths)))
 
     def only(self, columns: Sequence[int]) -> Self:
@@ -152,12 +146,10 @@ def _pairs(scaled: Array) -> Indices:
 
 
 def ends(distribution: Distribution, copula: Copula | None, level: float, sizes: Array, t: Array) -> Array:
-    """Return the ends of the central interval of a weighted sum of errors over several outputs and points.
+    """Return the ends, (2,), of the central interval of a sum of errors of sizes (p, n) over outputs and points (e, n).
 
     At one point the held-out rows say it: the sum of each row is one that was seen. Over points the ends of their own
     sums add as deviations do, by the correlation of the points' sums.
-
-    sizes: (p, n); t: (e, n); result: (2,).
     """
     known = sizes.any(axis=0)
     sizes, t = sizes[:, known], t[:, known]

@@ -65,10 +65,7 @@ def unguarded(inputs: int, outputs: int, pooled: bool = False) -> Guard:
 
 
 def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: Indices, even: Flags) -> None:
-    """Set the guard of one output so that the scores of every cell hold.
-
-    scores: (n,); t: (d, n); groups: (n,); even: (n,).
-    """
+    """Set the guard of one output so that scores (n,) in every cell of scaled coordinates t, (d, n), hold."""
 
     def needed(cell: Indices, fewest: int, share: float) -> float:
         if len(np.unique(groups[cell])) < fewest:
@@ -119,9 +116,6 @@ def sharing(t: Array) -> Indices:
 
 
 def places(t: Array, groups: Indices) -> Indices:
-    """Return how many places the cases have along every input, (d,): the groups, where these share it, or the cases.
-
-    t: (d, n), scaled coordinates of the cases; groups: (n,), the group of every case.
-    """
+    """Return how many places cases at t, (d, n), have along every input, (d,): groups that share it, or cases."""
     count, cases = len(np.unique(groups)), t.shape[1]
     return np.array([count if len(np.unique(row)) <= count else cases for row in t])

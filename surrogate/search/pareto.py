@@ -56,10 +56,7 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
 
 
 def scalarised(problem: Problem, objectives: int, reference: Array, weights: Array) -> Problem:
-    """All objectives at once: the least of ``(f_k - reference_k) / weights_k`` is maximised.
-
-    reference, weights: (objectives,), in the objectives' units, weights > 0.
-    """
+    """All objectives at once: the least of ``(f_k - reference_k) / weights_k``, weights > 0, is maximised."""
 
     def value(X: Array) -> tuple[Array, Array]:
         rows, excess = problem.value(X)

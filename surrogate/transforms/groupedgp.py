@@ -112,12 +112,12 @@ class GroupedGP(Transformed):
         outer = None if self.calibration_ is None else self.calibration_.outer
         if outer is not None and len(outer.slabs) != len(self.grouping.inputs):
             raise ValueError("the calibration's outer guard has other inputs")
-        self._scales = self.grouping.scales(self.outputs_)
+        self._scales = Scales(self.grouping, self.outputs_)
 
     def _check_axes(self, X: xr.Dataset) -> None:
         columns = xr.broadcast(*(X[input_.name].reset_coords(drop=True) for input_ in self.grouping.inputs))
         like, points = columns[0], np.stack([column.values.ravel() for column in columns], axis=1)
-        for axis, values in zip(self.grouping.axes, self.grouping.products.values(points).T, strict=True):
+        for axis, values in zip(self.grouping.axes, self.grouping.axis_values(points).T, strict=True):
             if axis.name not in X.dims and axis.name not in X.coords:
                 raise ValueError(f"axis {axis.name!r} is no dimension of the data set")
             said = X[axis.name].broadcast_like(like).transpose(*like.dims).values.ravel()
@@ -131,7 +131,7 @@ class GroupedGP(Transformed):
         named = named_points(points, self.inputs_)
         axes = {
             axis.name: (named.dims, values.reshape(named.shape))
-            for axis, values in zip(self.grouping.axes, self.grouping.products.values(named.X).T, strict=True)
+            for axis, values in zip(self.grouping.axes, self.grouping.axis_values(named.X).T, strict=True)
         }
         held = self.grouping.reduced(cases, self.outputs_).assign(axes)
         if EVEN in dataset:
@@ -148,8 +148,11 @@ class GroupedGP(Transformed):
     def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
         return {"reduced": outputs}
 
-    def _unchanged(self) -> set[str]:
-        return {name for name, scaling in self.grouping.scalings.items() if scaling == Scaling()}
+    @override
+    def thinned(self, errors: Mapping[str, float]) -> Self:
+        """Return the model with root-mean-square errors of outputs that are learnt as they are; others keep theirs."""
+        plain = {name: error for name, error in errors.items() if self.grouping.scalings.get(name) == Scaling()}
+        return self.over({"reduced": self.reduced_.thinned(plain)}) if plain else self
 
     def state(self) -> xr.Dataset:
         """Return the groups; the process over the axes stands beside them, as `reduced`."""
@@ -169,11 +172,11 @@ class GroupedGP(Transformed):
     # -- answers -------------------------------------------------------------------------------------------------------
     @override
     def calibrated_at(self, X: Array) -> Array:
-        return self.reduced_.calibrated_at(self.grouping.products.values(X))
+        return self.reduced_.calibrated_at(self.grouping.axis_values(X))
 
     @override
     def mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array]:
-        learnt, spread = self.reduced_.mean_std(self.grouping.products.values(X), with_std)
+        learnt, spread = self.reduced_.mean_std(self.grouping.axis_values(X), with_std)
         mean = self._scales.untransform(learnt, X)
         return mean, spread * self._scales.sizes(X, mean) * self._guarded(X) if with_std else spread
 
@@ -185,7 +188,7 @@ class GroupedGP(Transformed):
     @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
         X = self.physical(t)
-        axes = unit_coordinates(self.grouping.axes, self.grouping.products.values(X))
+        axes = unit_coordinates(self.grouping.axes, self.grouping.axis_values(X))
         learnt, variance = self.reduced_.mean_variance(axes, weights)
         mean = self._scales.untransform(learnt, X)
         return mean, variance if weights is None else variance * self._scales.sizes(X, mean) ** 2
@@ -195,7 +198,7 @@ class GroupedGP(Transformed):
         X = self.physical(t)
         mean = self.mean_std(X, False)[0]
         along = self._chained(
-            X, self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slopes), mean
+            X, self.reduced_.physical_slopes(self.grouping.axis_values(X), self.reduced_.slopes), mean
         )
         added = self._scales.added_slopes(X) * self._scales.sizes(X, mean)
         return np.asarray((along.sum(axis=1) + self._scales.steepness(X) * mean + added) / self.unit_slopes(X))
@@ -204,7 +207,7 @@ class GroupedGP(Transformed):
         """Return the calibrated deviations of the derivatives: along the axes and of the scale, as independent."""
         X = self.physical(t)
         mean, std = self.mean_std(X, True)
-        stds = self.reduced_.physical_slopes(self.grouping.products.values(X), self.reduced_.slope_stds)
+        stds = self.reduced_.physical_slopes(self.grouping.axis_values(X), self.reduced_.slope_stds)
         return self._together(X, stds * self._guarded(X), mean, std)
 
     @override
@@ -214,7 +217,7 @@ class GroupedGP(Transformed):
         def stds(axes: Array) -> Array:
             return np.sqrt(np.maximum(self.reduced_.slope_variances(axes, weights), 0))
 
-        slopes = self.reduced_.physical_slopes(self.grouping.products.values(X), stds)
+        slopes = self.reduced_.physical_slopes(self.grouping.axis_values(X), stds)
         mean, variance = self.mean_variance(t, weights)
         return self._together(X, slopes, mean, np.sqrt(variance)) ** 2
 
@@ -224,5 +227,5 @@ class GroupedGP(Transformed):
 
     def _chained(self, X: Array, slopes: Array, mean: Array) -> Array:
         """Derivatives by the inputs of what depends on every axis: (axes, p, n) -> (d, axes, p, n)."""
-        chain = self.grouping.products.jacobian(X).transpose(1, 0, 2)[:, :, None]
+        chain = self.grouping.jacobian(X).transpose(1, 0, 2)[:, :, None]
         return np.asarray(chain * slopes * self._scales.sizes(X, mean))

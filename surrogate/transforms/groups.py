@@ -7,7 +7,7 @@ Where a model of the world scales, its outputs depend on fewer numbers than it h
 with scale and added products of powers of the inputs x, and f what is learnt.
 """
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -59,28 +59,6 @@ class Scaling:
     powers: Powers = field(default_factory=dict)
     coefficient: float = 0.0
     logarithm: int = 0
-
-
-class Axes:
-    """The axes as functions of points in the inputs."""
-
-    def __init__(self, inputs: Sequence[Input], groups: Sequence[Group]) -> None:
-        self.powers = np.stack([row_of(group.powers, inputs) for group in groups])
-        self._constants = [group.constant for group in groups]
-        self._low, self._high = np.array([(group.axis.low, group.axis.high) for group in groups]).T
-
-    def values(self, X: Array) -> Array:
-        """Return the axes' values at points (n, d): (n, axes), within their ranges where the points are in the box."""
-        products = zip(self._constants, self.powers, strict=True)
-        U = np.stack([constant * _product(X, row) for constant, row in products], axis=1)
-        inside = np.clip(U, self._low, self._high)
-        near = NEAR * (self._high - self._low)
-        return np.asarray(np.where(np.abs(U - inside) <= near, inside, U))  # the ends, met but for rounding
-
-    def jacobian(self, X: Array) -> Array:
-        """Return the derivatives of the axes' values by the inputs at points (n, d): (axes, d, n)."""
-        products = zip(self._constants, self.powers, strict=True)
-        return np.stack([constant * _slopes(X, row) for constant, row in products])
 
 
 @dataclass(frozen=True)
@@ -147,13 +125,22 @@ class Grouping:
         return tuple(group.axis for group in self.groups)
 
     @cached_property
-    def products(self) -> Axes:
-        """The axes as functions of points."""
-        return Axes(self.inputs, self.groups)
+    def powers(self) -> Array:
+        """Power of every input in the product that an axis is, (axes, d)."""
+        return np.stack([row_of(group.powers, self.inputs) for group in self.groups])
 
-    def scales(self, outputs: Sequence[str]) -> "Scales":
-        """Return the scales of some outputs as functions of points."""
-        return Scales(self, outputs)
+    def axis_values(self, X: Array) -> Array:
+        """Return the axes' values at points (n, d): (n, axes), within their ranges where the points are in the box."""
+        products = zip(self.groups, self.powers, strict=True)
+        U = np.stack([group.constant * _product(X, row) for group, row in products], axis=1)
+        low, high = np.array([(axis.low, axis.high) for axis in self.axes]).T
+        inside = np.clip(U, low, high)
+        return np.asarray(np.where(np.abs(U - inside) <= NEAR * (high - low), inside, U))  # the ends, but for rounding
+
+    def jacobian(self, X: Array) -> Array:
+        """Return the derivatives of the axes' values by the inputs at points (n, d): (axes, d, n)."""
+        products = zip(self.groups, self.powers, strict=True)
+        return np.stack([group.constant * _slopes(X, row) for group, row in products])
 
     def reduced(self, dataset: xr.Dataset, outputs: Sequence[str]) -> xr.Dataset:
         """Return a data set of the axes: what is learnt of some outputs, over the dimensions that each has.
@@ -166,9 +153,10 @@ class Grouping:
         for name in outputs:
             variable = dataset[name].variable
             dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
-            array, *factors = (_over(source, dims) for source in (variable, *columns))
+            whole = [source.set_dims(dims) for source in (variable, *columns)]  # type: ignore[no-untyped-call]
+            array, *factors = (part.values for part in whole)
             X = np.stack([column.ravel() for column in factors], axis=1)
-            learnt = self.scales([name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
+            learnt = Scales(self, [name]).transform(np.asarray(array, dtype=np.float64).reshape(1, -1), X)
             arrays[name] = tuple(dims), learnt.reshape(array.shape), dataset[name].attrs
         return xr.Dataset(arrays)
 
@@ -178,10 +166,10 @@ class Grouping:
 
     def state(self, outputs: Sequence[str]) -> xr.Dataset:
         """Return the numbers for a file, beside the axes themselves."""
-        scales = self.scales(outputs)
+        scales = Scales(self, outputs)
         return xr.Dataset(
             {
-                "axis_power": (("axis", "input"), self.products.powers),
+                "axis_power": (("axis", "input"), self.powers),
                 "axis_constant": ("axis", [group.constant for group in self.groups]),
                 "scale_power": (("output", "input"), scales.powers),
                 "added_coefficient": ("output", scales.coefficients),
@@ -250,10 +238,7 @@ class Scales:
         return np.asarray(self.coefficients[:, None] * _steepness(X, self.added)[:, None])
 
     def transform(self, values: Array, X: Array) -> Array:
-        """Return what is to be learnt of outputs, (p, n).
-
-        values: (p, n), the outputs in their units; X: (n, d), points in physical units.
-        """
+        """Return what is to be learnt of outputs, (p, n), in their units, at physical points X, (n, d): (p, n)."""
         learnt = values / self.values(X)
         for k, sign in self._logarithms:
             if (learnt[k] * sign <= 0).any():
@@ -265,20 +250,14 @@ class Scales:
         return np.asarray(learnt - self.additions(X))
 
     def untransform(self, learnt: Array, X: Array) -> Array:
-        """Return the outputs of what is learnt, (p, n): the inverse of `transform`.
-
-        learnt: (p, n); X: (n, d), points in physical units.
-        """
+        """Return the outputs of what is learnt, (p, n), at physical points X, (n, d): the inverse of `transform`."""
         outputs = learnt + self.additions(X)
         for k, sign in self._logarithms:
             outputs[k] = sign * np.exp(sign * outputs[k])
         return np.asarray(outputs * self.values(X))
 
     def sizes(self, X: Array, mean: Array) -> Array:
-        """Return what errors of learnt outputs are multiplied by, (p, n): their scale, or the output of a logarithm.
-
-        X: (n, d); mean: (p, n).
-        """
+        """Return what errors at points X, (n, d), are multiplied by, (p, n): the scale, or a logarithm's output."""
         return np.asarray(np.where(self.signs[:, None] == 0, self.values(X), np.abs(mean)))
 
     def _logarithm(self, X: Array, rows: Array) -> Array:
@@ -310,16 +289,8 @@ def span(inputs: Sequence[Input], powers: Powers) -> tuple[float, float]:
     return low, high
 
 
-def _over(variable: xr.Variable, dims: Mapping[Hashable, int]) -> Array:
-    """Values over dimensions of these sizes, those of the variable among them."""
-    values = variable.transpose(*(dim for dim in dims if dim in variable.dims)).values
-    axes = tuple(slice(None) if dim in variable.dims else None for dim in dims)
-    return np.broadcast_to(values[axes], tuple(dims.values()))
-
-
 def _product(X: Array, row: Array) -> Array:
-    factors: list[Array] = [_power(X[:, k], row[k]) for k in np.flatnonzero(row)]
-    return np.asarray(np.prod(factors, axis=0))
+    return np.asarray(np.prod([X[:, k] ** row[k] for k in np.flatnonzero(row)], axis=0))
 
 
 def _slopes(X: Array, row: Array) -> Array:
@@ -328,16 +299,8 @@ def _slopes(X: Array, row: Array) -> Array:
     for k in np.flatnonzero(row):
         others = row.copy()
         others[k] = 0.0
-        slopes[k] = row[k] * _power(X[:, k], row[k] - 1) * (_product(X, others) if others.any() else 1.0)
+        slopes[k] = row[k] * X[:, k] ** (row[k] - 1) * (_product(X, others) if others.any() else 1.0)
     return slopes
-
-
-def _power(x: Array, power: float) -> Array:
-    """Powers; whole small ones by products and quotients, which are exact at the ends of a range."""
-    by_power: dict[float, Callable[[Array], Array]] = {
-        0.0: np.ones_like, 1.0: np.asarray, 2.0: np.square, -1.0: np.reciprocal
-    }  # fmt: skip
-    return by_power[power](x) if power in by_power else np.asarray(x**power)
 
 
 def _steepness(X: Array, row: Array) -> Array:

@@ -127,10 +127,7 @@ class Draw:
 
     @classmethod
     def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
-        """Return what measured values say of the scaled constants.
-
-        prior: (k,), prior deviations of the constants, zero where one is known.
-        """
+        """Return what measured values say of scaled constants of prior deviations (k,), zero where one is known."""
         precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
         for discrepancy in discrepancies.values():
             information, estimate = discrepancy.information
@@ -164,11 +161,9 @@ def mixture(draws: Sequence[Draw]) -> tuple[Array, Array]:
 class CorrectedGP(Transformed):
     """A nominal surrogate, the effects of uncertain constants on it, and what measured rows say of both.
 
-    An output is that of the nominal model, plus the effect of the constants about which it was linearised, plus its
-    derivatives by the constants times these, plus the discrepancy of a measured output. The intervals hold the nominal
-    model's own error, that of the effects, and what is left unknown of constants and discrepancies.
-
-    about: (k,); effect_std: (p,).
+    An output is that of the nominal model, plus the effect of the constants (k,) about which it was linearised, plus
+    its derivatives by the constants times these, plus the discrepancy of a measured output. The intervals hold the
+    nominal model's own error, that of the effects, (p,), and what is left unknown of constants and discrepancies.
     """
 
     engine: ClassVar[str] = "corrected"
@@ -206,9 +201,6 @@ class CorrectedGP(Transformed):
     def only(self, outputs: Sequence[str]) -> Self:
         """Return the model itself: its constants are those of all outputs that were measured."""
         return self
-
-    def _unchanged(self) -> set[str]:
-        return set(self.outputs_)
 
     @property
     def calibrated(self) -> bool:

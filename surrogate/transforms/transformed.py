@@ -68,16 +68,6 @@ class Transformed(GaussianProcess):
         """Return, by member, the outputs behind the named outputs of the model."""
         raise NotImplementedError
 
-    def thinned(self, errors: Mapping[str, float]) -> Self:
-        """Return the model with root-mean-square errors of outputs that the first member has; others keep theirs."""
-        unchanged = {name: error for name, error in errors.items() if name in self._unchanged()}
-        first = self.MEMBERS[0]
-        return self.over({**self.members, first: self.members[first].thinned(unchanged)}) if unchanged else self
-
-    def _unchanged(self) -> set[str]:
-        """Outputs that are those of the first member, of the same name."""
-        return set()
-
 
 def groups_of(model: GaussianProcess) -> Grouping | None:
     """Return the groups of inputs that a model stands on, None where it stands on the inputs."""

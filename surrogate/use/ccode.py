@@ -107,9 +107,9 @@ class _Context:
         cosine = [_kernel(factor.decay, factor.unknown) for factor in first.factors_]
         degrees = np.zeros((1, len(first.factors_)), int) if calibration is None else calibration.trend_degree
         units = [self._unit(axis, f"x[{k}]") for k, axis in enumerate(first.inputs_)]
-        scales = [by.scales([part.name]) for part in outputs if (by := groups_of(part.model))]
+        scales = [Scales(by, [part.name]) for part in outputs if (by := groups_of(part.model))]
         if grouping is not None:
-            rows = zip(grouping.groups, grouping.products.powers.tolist(), strict=True)
+            rows = zip(grouping.groups, grouping.powers.tolist(), strict=True)
             units = [self._unit(group.axis, self._product(row, group.constant)) for group, row in rows]
         read = np.any([scale.powers[0] != 0 for scale in scales] + [scale.added != 0 for scale in scales[:1]], axis=0)
         slopes = self._slopes(model, grouping)

@@ -74,12 +74,7 @@ class Residuals:
 
     @classmethod
     def of(cls, points: Array, residual: Array, slopes: Array, error: Array, spread: Array, mean: Array) -> "Residuals":
-        """Return those of values at points.
-
-        points: (n, d), scaled inputs; residual: (n,), measured less model with the constants at zero; slopes: (n,
-        k), derivatives of the model by the constants; error: (n,), stated standard deviations of measurement; NaN:
-        unknown; spread: (n,), standard deviations of the model's own errors; mean: (n,), the model's means.
-        """
+        """Return residuals of values with stated errors, (n,), NaN where unknown; their size is that of means (n,)."""
         size = float(np.sqrt(np.mean(mean**2))) or float(np.abs(residual).max()) or 1.0
         return cls(points, residual, slopes, spread**2, np.nan_to_num(error) ** 2, np.isnan(error), size)
 
@@ -134,10 +129,7 @@ class Residuals:
         return replace(state, wild=self._wild(state, misfit, covariance_rest, random)), odds
 
     def completed(self, state: State, chosen: Indices, mean: Array, random: np.random.Generator) -> State:
-        """Return a state that was drawn from some of the values with outliers drawn for the others too.
-
-        mean: (k,), the constants.
-        """
+        """Return a state that was drawn from some of the values with outliers of the others, at constants (k,), too."""
         wild = np.zeros(len(self.residual), np.intp)
         wild[chosen] = state.wild
         whole = replace(state, wild=wild)
@@ -339,10 +331,7 @@ def learn(
     spread: Array,
     single_constants: Flags | None = None,
 ) -> Learnt:
-    """Estimate constants and discrepancies from measured rows.
-
-    spread: (n,); single_constants: (k,), optional.
-    """
+    """Estimate constants and discrepancies from measured rows; the model's errors have deviations `spread`, (n,)."""
     single = np.zeros(constants, np.bool_) if single_constants is None else single_constants
     scaled = unit_coordinates(inputs, rows.points).T
 

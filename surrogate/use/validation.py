@@ -16,6 +16,7 @@ from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.data.points import named_points
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
+from surrogate.transforms.groups import Scales
 from surrogate.transforms.transformed import groups_of
 
 DECILES = 10
@@ -105,11 +106,9 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
 
 
 def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
-    """Return the continuous ranked probability score of predictions, (p, n), in the outputs' units.
+    """Return the continuous ranked probability score, in the outputs' units, of truth, means, deviations, (p, n) each.
 
     A standard deviation of zero gives the absolute error.
-
-    true, mean, std: (p, n), in the outputs' units.
     """
     z = _standard(true, mean, std)
     finite = np.where(np.isfinite(z), z, 0.0)
@@ -118,10 +117,7 @@ def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None
 
 
 def pit(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
-    """Return the probability integral transform of predictions, (p, n); uniform where they are right.
-
-    true, mean, std: (p, n), in the outputs' units.
-    """
+    """Return the probability integral transform of truth, means and deviations, (p, n) each; uniform if right."""
     return (distribution or Normal()).cdf(_standard(true, mean, std))
 
 
@@ -138,10 +134,7 @@ def _standard(true: Array, mean: Array, std: Array) -> Array:
 
 
 def worst_corner(t: Array, inside: Flags) -> Array:
-    """Least coverage where both of two inputs are in an outer tenth of their range: (p,).
-
-    t: (d, n), scaled coordinates of the cases; inside: (p, n), whether the interval holds the truth.
-    """
+    """Least share of cases inside, (p, n), where two of their inputs t, (d, n), are in an outer tenth: (p,)."""
     worst = np.full(len(inside), np.nan)
     for a, b in combinations(np.concatenate([t, -t]), 2):
         corner = (a > 0.8) & (b > 0.8)
@@ -189,11 +182,9 @@ def _by_decile(column: Array, inside: Flags) -> Array:
 
 
 def chebyshev_interpolation(training: xr.Dataset, inputs: Sequence[Input], X: Array, outputs: Sequence[str]) -> Array:
-    """Interpolate outputs on Chebyshev-Gauss levels by the tensor-product polynomial through all cases: (p, n).
+    """Interpolate outputs at physical points X, (n, d), by the tensor-product polynomial through all cases: (p, n).
 
     Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), chapters 3 and 4.
-
-    X: (n, d), points in physical units.
     """
     values = []
     for cases in complete_factorial(training, inputs, outputs).outputs.values():
@@ -205,23 +196,17 @@ def chebyshev_interpolation(training: xr.Dataset, inputs: Sequence[Input], X: Ar
 
 
 def baseline(model: GaussianProcess, training: xr.Dataset, X: Array) -> Array:
-    """Interpolate what a grid or grouped model was trained on: over its inputs, or its axes and scaled outputs; (p, n).
-
-    X: (n, d), points in physical units.
-    """
+    """Interpolate the training data of a grid or grouped model, over inputs or axes, at points X, (n, d): (p, n)."""
     grouping, names = groups_of(model), model.outputs_
     if grouping is None:
         return chebyshev_interpolation(training, model.inputs_, X, names)
     scaled = grouping.reduced(training, names).assign_coords({axis.name: training[axis.name] for axis in grouping.axes})
-    learnt = chebyshev_interpolation(scaled, grouping.axes, grouping.products.values(X), names)
-    return grouping.scales(names).untransform(learnt, X)
+    learnt = chebyshev_interpolation(scaled, grouping.axes, grouping.axis_values(X), names)
+    return Scales(grouping, names).untransform(learnt, X)
 
 
 def contracted(tensor: Array, rows: Sequence[Array]) -> Array:
-    """Return a tensor contracted with a row for every point and factor, (B, p).
-
-    tensor: (n_1, ..., n_d, p); rows: sequence of ndarray, shape (B, n_f), of every factor.
-    """
+    """Return a tensor (n_1, ..., n_d, p) contracted with a row of every factor, (B, n_f), for every point: (B, p)."""
     answer = np.empty((len(rows[0]), tensor.shape[-1]))
     size = max(1, ELEMENTS // int(np.prod(tensor.shape[1:])))
     for block in blocks(len(answer), size):

@@ -93,12 +93,10 @@ def moments(A: float, B: float, count: int) -> Array:
 
 
 def transforms(X: Array, A: float, B: float, count: int) -> Array:
-    """(1/pi) PV int (1-s)^A (1+s)^B T_n(s)/(s-X) ds, (count, points).
+    """(1/pi) PV int (1-s)^A (1+s)^B T_n(s)/(s-X) ds at places |X| < 1, (count, points).
 
     The first from Erdogan, Gupta and Cook (Methods of Analysis and Solutions of Crack Problems, 1973, chapter 7), the
     others from T_n+1 = 2 X T_n - T_n-1.
-
-    X: (points,), |X| < 1.
     """
     mean = moments(A, B, max(count, 2))
     out = np.empty((max(count, 2), len(X)))
@@ -334,10 +332,7 @@ def quantities(contact: Contact, surface: SurfaceResponse, datum: float) -> dict
 
 
 def fields(contact: Contact, surface: SurfaceResponse, X: Array) -> dict[str, Array]:
-    """The surface fields.
-
-    X: (n,), places over the contact's half-width, |X| < 1.
-    """
+    """The surface fields at places X, (n,), over the contact's half-width."""
     t, transform = (
         np.vstack([contact.problem.friction * rows[0], rows]) for rows in (contact.tractions(X), contact.transforms(X))
     )

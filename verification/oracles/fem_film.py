@@ -288,10 +288,7 @@ class FilmContact:
         return np.asarray(u.reshape(-1, 4) * UNITS)
 
     def fields(self, X: ArrayLike, depth: float, layer: int = 0) -> dict[str, Array]:
-        """``FIELDS`` at a depth; SI units.
-
-        X: _like, shape (n,), places over the half-length.
-        """
+        """``FIELDS`` at places X over the half-length, (n,), and a depth [m]; SI units."""
         points = np.column_stack([X, np.full(np.size(X), -depth / self.half_length)])
         return dict(zip(FIELDS, self.body.fluxes(self._inside, points, layer) / self.half_length, strict=True))
 

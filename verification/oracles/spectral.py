@@ -155,10 +155,7 @@ class Body:
         return csr_array((entries.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size))
 
     def fluxes(self, u: Array, points: Array, layer: int) -> Array:
-        """(stress_xx, yy, xy, D_x, D_y, B_x, B_y) times the unit of length at points of a layer; shape (7, points).
-
-        u: (nodes, 4); points: (points, 2).
-        """
+        """The fluxes ``FIELDS`` times the unit of length, (7, point), at points of a layer by u, (node, 4)."""
         out = np.empty((7, len(points)))
         M, (border, inner) = constitutive_matrix(self.materials[layer]), self._places
         elements, local = zip(*(self._find(point, layer) for point in points), strict=True)
@@ -215,10 +212,7 @@ def _bilinear_slopes(local: Array) -> tuple[Array, Array]:
 
 
 def lagrange(line: Array, x: Array) -> tuple[Array, Array]:
-    """Values and slopes of the Lagrange polynomials on a line; (n, count) each.
-
-    line: (count,), their points, within [-1, 1]; x: (n,), places.
-    """
+    """Values and slopes at places x, (n,), of Lagrange's polynomials on points of a line, (count,); (n, count) each."""
     n = len(line)
     legendre = np.linalg.inv(np.polynomial.legendre.legvander(line, n - 1))
     slopes = np.polynomial.legendre.legder(np.eye(n)) @ legendre

@@ -62,10 +62,7 @@ class SurfaceResponse:
         return self.local[1:, 0]
 
     def along_surface(self, t: Array, transform: Array) -> Array:
-        """Return t_1 = (sigma_xx, sigma_xy, D_x, B_x), (4, n).
-
-        t, transform: (4, n), t_2 and its Hilbert transform, SI.
-        """
+        """Return t_1 = (sigma_xx, sigma_xy, D_x, B_x) from t_2 and its Hilbert transform, (4, n) each, SI."""
         u_x = self.local @ t + self.compliance @ transform
         units = UNITS[:, None]
         inverse = units * np.linalg.inv(units * self.T * UNITS / STIFFNESS) * UNITS / STIFFNESS
@@ -82,10 +79,7 @@ def surface_response(material: Mapping[str, float]) -> SurfaceResponse:
 
 
 def angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
-    """-S L^-1 and L^-1 from S = mean of N1 and L = mean of -N3 over the angle.
-
-    Q, R, T: (n, n), constitutive blocks of n unknowns, of order one.
-    """
+    """-S L^-1 and L^-1 of blocks (n, n) of order one, from S = mean of N1 and L = mean of -N3 over the angle."""
     c, s = np.cos(_ANGLES)[:, None, None], np.sin(_ANGLES)[:, None, None]
     q = Q * c**2 + (R + R.T) * c * s + T * s**2
     r = R * c**2 + (T - Q) * c * s - R.T * s**2

@@ -12,6 +12,7 @@ from solver import solve
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers
 from surrogate import Group, Grouping, Input, Scaling
 from surrogate.levels.counts import decays
+from surrogate.transforms.groups import Scales
 from workflow.study.categories import Combination, output
 from workflow.study.datum import length
 from workflow.study.model import Study
@@ -112,10 +113,10 @@ def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tu
     """Scales of outputs (output, place) at places of the box, and the next level of every axis."""
     unit = 2 * sobol_points(_PLACES, len(grouping.inputs)).T - 1
     points = np.stack([input_.from_unit(t) for input_, t in zip(grouping.inputs, unit, strict=True)], -1)
-    group_values = grouping.products.values(points)
+    group_values = grouping.axis_values(points)
     levels = [learned[axis.name].values for axis in grouping.axes]
     nearest = tuple(np.abs(along[:, None] - x).argmin(0) for along, x in zip(levels, group_values.T, strict=True))
-    return grouping.scales(names).values(points), nearest
+    return Scales(grouping, names).values(points), nearest
 
 
 def scale(study: Study, quantity: str) -> dict[str, float]:

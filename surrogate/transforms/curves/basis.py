@@ -58,12 +58,10 @@ class Basis:
 
     @classmethod
     def of(cls, values: Array, error: float) -> Self:
-        """Return the least basis that holds cases to a stated error.
+        """Return the least basis that holds cases (case, field, point) to a stated error.
 
         The vectors are the first right singular vectors of the cases, found by random projections from a fixed seed (N.
         Halko et al., SIAM Rev. 53 (2011) 217).
-
-        values: (case, field, point).
         """
         mean = values.mean(axis=0)
         scales = np.sqrt((values**2).mean(axis=(0, 2)))

@@ -302,9 +302,6 @@ class CurveGP(Transformed):
             names += [self.smooth_.outputs_[row] for row in self._score_rows[number]]
         return {"smooth": names}
 
-    def _unchanged(self) -> set[str]:
-        return set(self.outputs) - set(self.largest)
-
     # -- calibration ---------------------------------------------------------------------------------------------------
     @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:

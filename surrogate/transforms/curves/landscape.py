@@ -28,10 +28,7 @@ class Landscape:
     panels: Panels  # Where their points lie
 
     def summit(self, scores: Array, measure: Measure) -> Top:
-        """Find where a measure is largest.
-
-        scores: (rank, B), of B sets of curves.
-        """
+        """Find where a measure of curves with scores (rank, B) is largest."""
         scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
         scanned = self._scanned[:, : measure.fields * scan.points.size]
         fields = (ones.T.astype(scanned.dtype) @ scanned).reshape(scores.shape[1], measure.fields, -1)
@@ -52,10 +49,7 @@ class Landscape:
         return self._highest(ones, measure, np.concatenate(curves), np.concatenate(points))
 
     def read(self, scores: Array, summit: Top, field: int) -> Array:
-        """Return a field at places on the curves, (B,).
-
-        scores: (rank, B), of the curves.
-        """
+        """Return a field at places on curves with scores (rank, B): (B,)."""
         out, ones = np.empty(scores.shape[1]), np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
             members = np.flatnonzero(summit.panel == number)
@@ -64,11 +58,9 @@ class Landscape:
         return out
 
     def sensitivity(self, scores: Array, measure: Measure, summit: Top, place: int) -> Array:
-        """Return how what is largest, or what a field is there, changes with the scores, (rank, B): (rank, B).
+        """Return how the largest value, or a field there, changes with the scores, (rank, B): (rank, B).
 
         The measure at its maximum changes as at a place that stays; the place moves so that it stays stationary.
-
-        scores: (rank, B).
         """
         out = np.empty_like(scores)
         ones = np.concatenate([np.ones((1, scores.shape[1])), scores])
