@@ -105,22 +105,6 @@ def judged(family: Family, count: int) -> Decay:
     return decay_of(coefficients / np.ptp(values))
 
 
-KINKED: tuple[Family, ...] = (
-    lambda x, a: np.abs(x - 0.6 * a) * (1 + 0.3 * x),
-    lambda x, a: np.maximum(np.sin(3 * x + a), np.cos(2 * x)),
-    lambda x, a: np.maximum(x - 0.5 * a, 0) ** 2,
-)
-ANALYTIC: tuple[Family, ...] = (
-    lambda x, a: np.exp(2 * a * x), lambda x, a: np.exp(0.7 * (x + a)) ** 0.3, lambda x, a: 1 / (x + 1.1 + 0.05 * a),
-    lambda x, a: np.sin(4 * x + a), lambda x, a: np.log(x + 1.05), lambda x, a: np.sqrt(x + 1.05 + 0.01 * a),
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("count", [9, 17, 40])
-def test_kinks_are_found_and_analytic_functions_are_not_taken_for_kinked(count: int) -> None:
-    assert [judged(family, count).algebraic for family in (*KINKED, *ANALYTIC)] == [True] * 3 + [False] * 6
-
-
 @pytest.mark.parametrize("count", [9, 12, 17, 40])
 @pytest.mark.parametrize(
     "family",

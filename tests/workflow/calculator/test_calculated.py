@@ -238,31 +238,33 @@ MORE = "limits:\n  depoling_stress: {value: 10 MPa, source: x}\nalternatives:\n 
 JSON = '{"name": "soft", "c11": 126e9, "c12": 79.5e9, "c13": "84.1 GPa", "c33": 117e9, "c44": 23e9, "e33": 23.3}'
 
 
-@pytest.mark.parametrize(("text", "name"), [(TOML, "mine"), (TOML.replace(" = ", ": ") + MORE, "mine"), (JSON, "soft")])
-def test_own_constants_are_read_as_text(text: str, name: str) -> None:
-    (answer,) = calculated([{"kind": "own", "given": text}])
+def test_own_constants_are_read_as_text() -> None:
     wanted = {"c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9, "e33": 23.3, "e15": 0.0}
-    assert {key: answer[key] for key in wanted} == pytest.approx(wanted, rel=1e-14)
-    assert answer["name"] == name
-    assert answer["mu33"] == LIBRARY["defaults"]["mu"]
+    texts = {TOML: "mine", TOML.replace(" = ", ": ") + MORE: "mine", JSON: "soft"}
+    answers = calculated([{"kind": "own", "given": text} for text in texts])
+    for answer, name in zip(answers, texts.values(), strict=True):
+        assert {key: answer[key] for key in wanted} == pytest.approx(wanted, rel=1e-14)
+        assert answer["name"] == name
+        assert answer["mu33"] == LIBRARY["defaults"]["mu"]
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("c11 = 1e11", "c13: missing"),
-        (TOML.replace("79.5e9", "179.5e9"), "c12 = 1.795×10¹¹ Pa: needs |c12| < c11"),
-        (TOML + "c66 = 1e9", "c66: unknown entry"),
-        (TOML + "eps33 = 3 GPa", "eps33: GPa does not measure it"),
-        (TOML + "eps33 = alert(1)", "eps33: “alert(1)” is no number"),
-        (TOML + "alert(1)", "line 8: “alert(1)” is not of the form"),
-        ("{", "is no JSON"),
-        (TOML + "depoling_stress = -1", "depoling_stress: must be positive"),
-    ],
-)
-def test_wrong_constants_are_refused_by_name(text: str, said: str) -> None:
-    (answer,) = calculated([{"kind": "own", "given": text}])
-    assert said in answer["refused"]
+#: Texts of own constants that are refused, and why.
+WRONG = {
+    "c11 = 1e11": "c13: missing",
+    TOML.replace("79.5e9", "179.5e9"): "c12 = 1.795×10¹¹ Pa: needs |c12| < c11",
+    TOML + "c66 = 1e9": "c66: unknown entry",
+    TOML + "eps33 = 3 GPa": "eps33: GPa does not measure it",
+    TOML + "eps33 = alert(1)": "eps33: “alert(1)” is no number",
+    TOML + "alert(1)": "line 8: “alert(1)” is not of the form",
+    "{": "is no JSON",
+    TOML + "depoling_stress = -1": "depoling_stress: must be positive",
+}
+
+
+def test_wrong_constants_are_refused_by_name() -> None:
+    answers = calculated([{"kind": "own", "given": text} for text in WRONG])
+    for answer, reason in zip(answers, WRONG.values(), strict=True):
+        assert reason in answer["refused"]
 
 
 def test_numbers_take_units() -> None:

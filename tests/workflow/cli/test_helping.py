@@ -1,34 +1,43 @@
-"""Help of every command: an example that the command itself takes."""
+"""Help and printed words: every command has an example that it takes, and any terminal can print it."""
 
+import contextlib
+import io
+import os
 import shlex
 import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from solver import units
+from solver.material.constants import UNITS
 from tests.programs import Command
 from workflow.cli import main
 from workflow.cli.main import COMMANDS
+from workflow.language.numbers import shown
 from workflow.run.provenance import ROOT
 
 
 @pytest.mark.parametrize("name", COMMANDS)
-def test_every_command_has_an_example_that_it_takes(name: str, command: Command) -> None:
-    module, _, function = main._parser().parse_args(example(name, command)).function.partition(".")
+def test_every_command_has_an_example_that_it_takes(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
+) -> None:
+    program, *words = shlex.split(command(name, "--help")[0].split("example:\n")[1].replace("\\\n", " "))
+    assert (program, words[0]) == ("meecontact", name)
+    module, _, function = main._parser().parse_args(words).function.partition(".")
     assert callable(getattr(import_module(f"workflow.cli.{module}"), function))
-
-
-@pytest.mark.parametrize("name", ["list", "material", "solve"])
-def test_examples_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "examples").symlink_to(ROOT / "examples")
-    assert command(*example(name, command))[0]
+    assert any(line.split()[:1] == [name] and len(line.split()) > 2 for line in command()[0].splitlines())
+    if name in ("list", "material", "solve"):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "examples").symlink_to(ROOT / "examples")
+        assert command(*words)[0]
 
 
 @pytest.mark.slow
-def test_the_help_solves_nothing_and_a_case_fits_nothing(tmp_path: Path) -> None:
+def test_no_command_loads_what_it_does_not_need(tmp_path: Path) -> None:
     program = f"""
 import contextlib, sys
 from workflow.cli.main import main
@@ -40,19 +49,47 @@ main(["solve", "examples/cases.csv", "-o", {str(tmp_path / "out.nc")!r}])
 loaded("pydantic", "surrogate", "scipy.linalg", "scipy.optimize")
 import workflow.cli.query, surrogate.gp.gridgp
 loaded("pydantic", "sklearn", "scipy.linalg", "scipy.optimize", "workflow.study.model")
+import workflow.dataset.slabs, workflow.dataset.datacard, workflow.cli.launch
+loaded("sklearn", "matplotlib", "jinja2", "scipy.stats")
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT)
-    assert [line for line in done.stderr.split("\n") if not line.startswith(("wrote", "left out", "empty"))] == [""] * 4
+    assert [line for line in done.stderr.split("\n") if not line.startswith(("wrote", "left out", "empty"))] == [""] * 5
 
 
-def example(name: str, command: Command) -> list[str]:
-    """The words of the example below a command's help."""
-    program, *words = shlex.split(command(name, "--help")[0].split("example:\n")[1].replace("\\\n", " "))
-    assert (program, words[0]) == ("meecontact", name)
-    return words
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
+@pytest.mark.parametrize("command", [["material"], ["material", "PZT-4"], ["list"], ["--help"], ["list", "µ⁻¹ Ω – π"]])
+def test_any_terminal_can_print_any_command(encoding: str, command: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    streams = [io.TextIOWrapper(io.BytesIO(), encoding, errors) for errors in ("strict", "backslashreplace")]
+    for name, stream in zip(("stdout", "stderr"), streams, strict=True):
+        monkeypatch.setattr(sys, name, stream)
+    with contextlib.suppress(SystemExit):
+        main.main(command)
+    streams[0].flush()
+    assert streams[0].buffer.getvalue() or command[1:] == ["µ⁻¹ Ω – π"]
 
 
-def test_no_name_of_a_command_stands_alone_on_its_line(command: Command) -> None:
-    lines = command()[0].splitlines()
-    for name in COMMANDS:
-        assert any(len(line.split()) > 2 and line.split()[0] == name for line in lines), name
+def test_messages_that_nobody_reads_stop_no_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cases, answer = tmp_path / "cases.csv", tmp_path / "answer.csv"
+    cases.write_text("material,profile,radius,force\nPZT-4,sphere,5 mm,1 N\n", encoding="utf-8")
+    reader, writer = os.pipe()
+    os.close(reader)
+    with os.fdopen(writer, "w", encoding="utf-8") as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        assert main.main(["solve", str(cases), "-o", str(answer)]) == 0
+        monkeypatch.undo()
+    assert answer.read_text(encoding="utf-8").count("\n") == 2
+
+
+def test_numbers_are_read_as_they_are_printed() -> None:
+    for unit in {*UNITS.values(), "V m N-1", "N m-1", "Ohm m", "F"}:
+        for value in (-1.234e-12, 5.6e-5, 0.789, 4.2e3, 1.39e11):
+            printed = shown(value, unit)
+            read = units.in_si(printed, unit) if not printed[-1].isdigit() or unit != "1" else float(printed)
+            np.testing.assert_allclose(read, value, rtol=1e-4, err_msg=printed)
+
+
+def test_temperatures_in_celsius_are_absolute() -> None:
+    assert units.in_si("33 degC", "K") == units.in_si("33°C", "K") == 306.15
+    assert units.in_si("-12.5 ℃", "K") == 260.65
+    with pytest.raises(ValueError, match="'degC' is not a unit"):
+        units.in_si("33 degC", "W m-1 K-1")

@@ -4,6 +4,7 @@ import re
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
@@ -11,8 +12,10 @@ import xarray as xr
 import solver
 import surrogate
 from solver import solve, units
+from surrogate import GridGP, Input, save
 from tests.programs import Command
 from tests.workflow.conftest import SMALL, Copy, Project
+from workflow.cli import query
 
 
 def test_lost_digits_are_told_in_one_line(command: Command) -> None:
@@ -22,54 +25,6 @@ def test_lost_digits_are_told_in_one_line(command: Command) -> None:
     assert warned.startswith("meecontact: warning: steel: a speed so near the limiting one that rounding costs digits")
     assert strained.startswith("meecontact: warning: contact: beyond small strain: a half-width of 2.6")
     assert wrote.startswith("wrote ")
-
-
-@pytest.mark.parametrize(
-    ("name", "rows", "options", "says"),
-    [
-        ("solve", "steel,0.1,1e4\nstel,0.1,1e4", [], "line 3: material: 'stel' is unknown; did you mean 'steel'?"),
-        ("solve", "steel,0.1,1e4", ["--positions=0,x"], "--positions: 'x' is not a number"),
-        ("solve", "steel,0.1,1e4", ["--positions=nan"], "positions: nan"),
-        ("interior", "BaTiO3,0.05,1e5", ["--x=0", "--y=0.5"], "y: 0.5 is above the surface; y/h must be <= 0"),
-        ("interior", "BaTiO3,0.05,1e5", ["--x=0,a", "--y=-1"], "--x: 'a' is not a number"),
-        ("interior", "BaTiO3,0.05,1e5", ["--x=0", "--y=-1", "--fields=von_mise"], "fields: 'von_mise' is not one of"),
-        ("interior", "BaTiO3,0.05,1e5", ["--x=1", "--y=-1e-300"], "line 2: von_mises: not finite for these factors"),
-    ],
-)
-def test_bad_tables_positions_and_grids_are_refused(
-    command: Command, name: str, rows: str, options: list[str], says: str
-) -> None:
-    cases = command.file("cases.csv", f"material,radius,load\n{rows}\n")
-    assert says in command.refused(name, cases, "-o", cases.with_name("out.nc"), *options)
-    assert sorted(cases.parent.iterdir()) == [cases]
-
-
-def test_results_that_are_not_there_are_named_with_those_that_are(
-    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    said = command.refused("query", "results/WRONG", "--at", "load=1")
-    assert "WRONG: no such file or folder; must be results/STUDY" in said
-    for name in ("one", "two"):
-        (tmp_path / "results" / name).mkdir(parents=True)
-        (tmp_path / "results" / name / "surrogate.nc").touch()
-    said = command.refused("query", "results/tow", "--at", "load=1")
-    assert "results/tow: no such file or folder" in said
-    assert "did you mean 'two'? allowed: one, two; `meecontact run STUDY` makes one" in said
-    (tmp_path / "results" / "one" / "report.html").touch()
-    page = command.refused("query", "results/one/report.html", "--at", "load=1")
-    assert "results/one/report.html: is a page, no surrogate; results/one/surrogate.nc is" in page
-
-
-def test_missing_files_and_folders_are_named(tmp_path: Path, command: Command) -> None:
-    absent = tmp_path / "absent.csv"
-    assert f"{absent}: No such file" in command.refused("solve", absent, "-o", tmp_path / "out.nc")
-    cases = command.file("cases.csv", "material,radius,load\nsteel,0.1,1e4\n")
-    line = command.refused("solve", cases, "-o", tmp_path / "absent" / "out.nc")
-    assert f"{tmp_path / 'absent'} does not exist" in line
-    assert f"surrogate: {tmp_path}: holds no surrogate.nc" in command.refused("query", tmp_path, "--at", "load=1")
-    assert "'slove' is unknown; did you mean 'solve'?" in command.refused("slove")
-    assert "-o/--output" in command.refused("interior", cases, "--x=0", "--y=-1")
 
 
 POINT = {"volume_fraction": 0.6, "friction": 0.2, "radius": 0.1, "load": 1e4}
@@ -94,20 +49,20 @@ def test_query_prints_what_the_surrogate_says(ran: Project, command: Command, op
 
 def test_query_writes_what_the_surrogate_says(ran: Project, tmp_path: Path, command: Command) -> None:
     path, out = ran.folder / "results/small/surrogate.nc", tmp_path / "out.csv"
-    table = command.file("at.csv", "volume_fraction,friction,radius,load\n0.6,0.2,0.1,1e4\n0.5,0,0.02,5e3\n")
-    command("query", path, table, "-o", out)
+    header = "volume_fraction,friction,radius,load"
+    table = command.file("at.csv", f"{header}\n0.6,0.2,0.1,1e4\n0.5,0,{1 / 30!r},5e3\n0.5,0,0.3,5e3\n")
+    assert command("query", path, table, "-o", out, "--extrapolate")[1].endswith("3 points, 4 outputs\n")
     rows, model = pd.read_csv(out), surrogate.load(path)
     expected = model.predict(ONE).merge(model.interval(ONE))
     columns = [f"{name}{part}" for name in model.outputs_ for part in ("", "_std", "_lower", "_upper")]
-    assert [*rows] == [*POINT, *columns]
+    assert [*rows] == [*POINT, *columns, "extrapolated"]
     for name in columns:
         assert rows[name][0] == pytest.approx(float(expected[name][0]), rel=1e-9)
-    assert rows["radius"].tolist() == [0.1, 0.02]
-    out.unlink()
-    for level in ("1", "0", "nan", "0.99999"):
-        said = command.refused("query", path, table, "-o", out, "--level", level)
-        assert said.startswith(f"meecontact: --level: level {float(level):g} is not between 0 and 0.999")
-        assert not out.exists()
+    assert rows["radius"].tolist() == [0.1, 1 / 30, 0.3]  # every digit
+    assert rows["extrapolated"].tolist() == [0, 0, 1]
+    said = command.refused("query", path, table, "-o", tmp_path / "other.csv", "--level", "0.99999")
+    assert said.startswith("meecontact: --level: level 0.99999 is not between 0 and 0.999")
+    assert not (tmp_path / "other.csv").exists()
 
 
 def test_query_gives_the_exact_answer_beside_its_own(
@@ -134,7 +89,6 @@ def test_the_installed_command_exits_with_the_status(copy: Copy, command: Comman
     done = project.run("meecontact", "material", "stel", check=False, cold=True)
     assert done.returncode == 2
     assert done.stderr.startswith("meecontact: material: 'stel' is unknown; did you mean 'steel'?")
-    assert project.run("meecontact", "--help").stdout.startswith("usage: meecontact")
 
 
 @pytest.mark.parametrize("flux", ["", ",total_flux=1 nWb"])
@@ -157,19 +111,39 @@ def test_one_case_is_printed_in_engineering_units(flux: str, command: Command) -
         assert units.in_si(text, exact[name].units) == pytest.approx(float(exact[name]), rel=5.1e-6), name
 
 
+ESCAPE = "\x1b]0;owned\x07\x1b[31m"
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A surrogate's file whose output and unit command the terminal."""
+    inputs = [Input("radius", 0.01, 0.2, "log", "m"), Input("friction", 0.0, 0.5, units="1")]
+    axes = {axis.name: axis.levels(5) for axis in inputs}
+    values = np.exp(axes["friction"]) * np.log(axes["radius"])[:, None]
+    attrs = {"units": f"Pa{ESCAPE}"}
+    data = xr.Dataset({f"depth{ESCAPE}": (("radius", "friction"), values, attrs)}, coords=axes)
+    path = tmp_path_factory.mktemp("points") / "surrogate.nc"
+    save(GridGP(inputs=inputs, outputs=[f"depth{ESCAPE}"]).fit(data), path)
+    return path
+
+
+def test_names_cannot_command_the_terminal(model: Path, command: Command) -> None:
+    shown, _ = command("query", model, "--at", "radius=0.3,friction=0.1", "--extrapolate")
+    assert "extrapolated" in shown
+    assert "depth\\x1b]0;owned\\x07\\x1b[31m" in shown
+    assert all(line.isprintable() for line in shown.split("\n"))
+
+
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("numbers", "expected"),
     [
-        ([], "give either a table CASES.csv or --at"),
-        (["--at", "material=PZT-4,radius"], "'radius' is not of the form NAME=VALUE"),
-        (["--at", "material=PZT-4,radius=5 kg,load=1 N/m"], "--at: radius: '5 kg': unit mismatch"),
-        (["--at", "material=my.yaml,radius=5 mm,load=1 N/m"], "; an own one: --materials FILE.yaml"),
-        (["--at", "material=PZT-4,radius=nan,load=1 N/m"], "radius: 'nan' is not a finite number"),
-        (["--at", "material=PZT-4 radius=5 mm,load=1 N/m"], "two equal signs; commas stand between NAME=VALUE"),
-        (["--at", "material=PZT-4,radius=5 mm,lod=1 N/m"], "did you mean 'load'?"),
-        (["--at", "material=PZT-4,radius=5 mm,load=1 N/m", "--positions", "0"], "fields need -o"),
-        (["examples/cases.csv"], "5 cases need -o"),
+        ((-527.568446, -527.5708, -527.566), "-527.5684 [-527.5708, -527.5660] (95 %)"),
+        ((0.0, -2e-9, 2e-9), "0.000 [-2.000e-09, 2.000e-09] (95 %)"),
+        ((12345678.0, 12345668.0, 12345688.0), "12345678 [12345668, 12345688] (95 %)"),
+        ((1.5, 1.5, 1.5), "1.5 [1.5, 1.5] (95 %)"),
+        ((0.0, 0.0, 0.0), "0 [0, 0] (95 %)"),
+        ((float("nan"),) * 3, "nan [nan, nan] (95 %)"),
     ],
 )
-def test_a_printed_case_is_refused_in_one_line(words: list[str], said: str, command: Command) -> None:
-    assert said in command.refused("solve", *words)
+def test_an_interval_is_shown_with_the_figures_that_it_has(numbers: tuple[float, float, float], expected: str) -> None:
+    assert query.shown(*numbers) == expected

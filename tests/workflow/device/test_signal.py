@@ -24,7 +24,6 @@ LINE: dict[str, Any] = {
     "material": "BaTiO3", "radius": 0.05, "thickness": 1e-4, "surroundings": "insulated", "base": "rigid",
 }  # fmt: skip
 FORCE = 2.0
-TIMES = np.arange(3.0)
 THERMAL = 1.380649e-23 * 300 * 1e-10  # k T C of 100 pF
 
 
@@ -159,22 +158,6 @@ def test_noise_is_that_of_amplifier_and_temperature(numbers: dict[str, float], n
 def test_contacts_without_a_signal_are_refused(case: dict[str, Any], words: str) -> None:
     with pytest.raises(solver.FactorError, match=words):
         ContactCurves.from_case(case, FORCE)
-
-
-@pytest.mark.parametrize(
-    ("columns", "words"),
-    [
-        ((TIMES, np.ma.masked_equal(TIMES, 1.0)), "masked"),
-        ((TIMES, np.array([0.0, np.nan, 1.0])), "finite"),
-        ((TIMES, np.array([0.0, -1.0, 1.0])), "must be >= 0"),
-        ((TIMES, TIMES[:2]), "as many forces as times"),
-        ((TIMES[::-1], TIMES), "must ascend"),
-        ((TIMES, TIMES, np.array([300.0, 300.0, -1.0])), "finite numbers > 0 K"),
-    ],
-)
-def test_histories_that_cannot_be_are_refused(columns: tuple[Array, ...], words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        History(*columns)
 
 
 def test_heat_and_bias_current_flow_into_the_node_as_charge_of_a_force_does(film: ContactCurves) -> None:

@@ -1,7 +1,9 @@
 """Measured rows correct a study's surrogate: exact answers of the solver with other constants, and errors added."""
 
+import re
 import shlex
 from pathlib import Path
+from textwrap import dedent
 
 import numpy as np
 import pytest
@@ -13,10 +15,8 @@ from tests.workflow.study.test_uncertainty import FILM
 from workflow.cli import main
 from workflow.dataset import draws, factorial
 from workflow.learning import correction
-from workflow.learning.correction import Summary
 from workflow.study import uncertainty
 from workflow.study.model import Study, load
-from workflow.study.reading import InputError
 from workflow.study.uncertainty import Constant
 
 Array = NDArray[np.float64]
@@ -48,11 +48,6 @@ def half_plane(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]
     return study_of(HALF_PLANE, tmp_path_factory.mktemp("half_plane"))
 
 
-@pytest.fixture(scope="module")
-def film(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, GridGP]:
-    return study_of(FILM, tmp_path_factory.mktemp("film"))
-
-
 def truth(study: Study, model: GridGP, known: list[Constant], z: Array, count: int, seed: int) -> tuple[Array, Array]:
     """Random points (n, d) and all exact outputs there (n, p), constants moved."""
     points = draws.points(study, count, (seed,))
@@ -70,32 +65,25 @@ def rows(X: Array, exact: Array, outputs: list[int], share: float, seed: int) ->
     )
 
 
-@pytest.mark.parametrize("truths", [1, pytest.param(2, marks=pytest.mark.soak)])
-def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Study, GridGP], truths: int) -> None:
+def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Study, GridGP]) -> None:
     study, model = half_plane
     known = uncertainty.uncertain(study)
-    held, better, moved = [], [], []
-    for seed in range(truths):
-        z = np.random.default_rng(seed).normal(size=len(known))
-        X, exact = truth(study, model, known, z, 140, seed)
-        corrected, summary = correction.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, seed), known)
-        lower, upper = corrected.interval_array(X[40:])
-        held.append((lower <= exact[40:]) & (exact[40:] <= upper))
-        after, before = (
-            np.abs(surrogate.predict_array(X[40:]) - exact[40:]).mean(axis=0) for surrogate in (corrected, model)
-        )
-        better.append(after / before)
-        moved.append(
-            [(c["mean"] - truth_z) / c["std"] for c, truth_z in zip(summary.plain["constants"], z, strict=True)]
-        )
-    # 100 cases x 4 outputs a truth, of which two were never measured
-    assert np.mean(held) >= 0.92
-    assert np.median(better, axis=0)[:2].max() < 0.3
-    assert np.mean(np.abs(moved) < 1.96) > 0.85  # 8 constants a truth
+    z = np.random.default_rng(0).normal(size=len(known))
+    X, exact = truth(study, model, known, z, 140, 0)
+    corrected, summary = correction.learn(study, model, rows(X[:40], exact[:40], [0, 1], 0.005, 0), known)
+    lower, upper = corrected.interval_array(X[40:])
+    # 100 cases x 4 outputs, of which two were never measured
+    assert np.mean((lower <= exact[40:]) & (exact[40:] <= upper)) >= 0.92
+    after, before = (
+        np.abs(surrogate.predict_array(X[40:]) - exact[40:]).mean(axis=0) for surrogate in (corrected, model)
+    )
+    assert (after / before)[:2].max() < 0.3
+    moved = [(c["mean"] - true) / c["std"] for c, true in zip(summary.plain["constants"], z, strict=True)]
+    assert np.mean(np.abs(moved) < 1.96) > 0.85  # of 8 constants
 
 
-def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
-    study, model = film
+def test_a_perturbed_base_is_found(tmp_path: Path) -> None:
+    study, model = study_of(FILM, tmp_path)
     known = uncertainty.uncertain(study, {"steel modulus": None, "steel poisson": None})
     z = np.array([-1.8, 0.5])
     X, exact = truth(study, model, known, z, 60, 3)
@@ -119,35 +107,15 @@ def test_a_perturbed_base_is_found(film: tuple[Study, GridGP]) -> None:
     assert any(line.startswith("steel modulus: moved by -1.") for line in summary.lines)
 
 
-def test_a_meter_that_errs_is_a_discrepancy(half_plane: tuple[Study, GridGP]) -> None:
-    study, model = half_plane
-    known = uncertainty.uncertain(study, {"BaTiO3 stiffness": 0.02})
-    X, exact = truth(study, model, known, np.array([0.5]), 40, 1)
-    exact[:, 1] *= 1 + 0.05 * np.sin(2 * model.inputs_[2].to_unit(X[:, 2]))  # the voltage, in the load
-    _, summary = correction.learn(study, model, rows(X, exact, [0, 1], 0.003, 1), known)
-    depth, voltage = summary.plain["discrepancies"]
-    assert "is real" in voltage["verdict"]
-    assert voltage["share_of_size"] == pytest.approx(0.035, rel=0.4)
-    assert "no discrepancy is seen" in depth["verdict"]
-
-
-def test_bad_noise_and_outliers_are_told_and_hide_no_constant(half_plane: tuple[Study, GridGP]) -> None:
+def test_outliers_are_told_and_hide_no_constant(half_plane: tuple[Study, GridGP]) -> None:
     study, model = half_plane
     known = uncertainty.uncertain(study, {"BaTiO3 e33": 0.1})
     X, exact = truth(study, model, known, np.array([1.0]), 30, 2)
     good = rows(X, exact, [0, 1], 0.02, 2)
-
-    def told(value: Array) -> Summary:
-        return correction.learn(study, model, Measurements(X, good.row, good.output, value, good.error), known)[1]
-
-    start = exact[good.row, good.output]
-    understated = told(start + 3 * (good.value - start)).plain
-    assert all(entry["low"] > 1.2 and entry["low"] < 3 < entry["high"] * 1.2 for entry in understated["errors"])
-    assert all(entry["odds"] < 20 for entry in understated["discrepancies"])
     wide = [int(np.argmax(np.where(good.output == q, good.error, 0))) for q in range(2)]
     off = good.value.copy()
     off[wide] += [12 * good.error[wide[0]], -9 * good.error[wide[1]]]
-    outliers = told(off)
+    _, outliers = correction.learn(study, model, Measurements(X, good.row, good.output, off, good.error), known)
     assert {(entry["row"], entry["output"]) for entry in outliers.plain["outliers"]} == {
         (int(good.row[k]) + 1, model.outputs_[good.output[k]]) for k in wide
     }
@@ -155,45 +123,12 @@ def test_bad_noise_and_outliers_are_told_and_hide_no_constant(half_plane: tuple[
     assert abs(outliers.plain["constants"][0]["mean"] - 1.0) < 2.5 * outliers.plain["constants"][0]["std"]
 
 
-def test_what_cannot_be_learnt_is_refused(half_plane: tuple[Study, GridGP]) -> None:
-    study, model = half_plane
-    known = uncertainty.uncertain(study)
-    X, exact = truth(study, model, known, np.zeros(len(known)), 12, 1)
-    good = rows(X, exact, [0, 1], 0.01, 1)
-    with pytest.raises(InputError, match="0 rows with a measured value; must be 1 to 1000"):
-        correction.learn(study, model, rows(X[:0], exact[:0], [0, 1], 0.01, 1), known)
-    for factor, words in (
-        (1e-3, r"voltage: measured values are 0.001 times .* are they in V\?; they would fit with a factor of 1000"),
-        (1e6, r"voltage: .* they would fit with a factor of 1e-06"),
-        (-1.0, "voltage: 12 measured values have the opposite sign"),
-        (-1e3, "they would fit with the opposite sign and a factor of 0.001"),
-    ):
-        wrong = np.where(good.output == 1, factor, 1.0)
-        read = Measurements(X, good.row, good.output, wrong * good.value, np.abs(wrong) * good.error)
-        with pytest.raises(InputError, match=words):
-            correction.learn(study, model, read, known)
-    with pytest.raises(ValueError, match="masked"):
-        Measurements(X, good.row, good.output, np.ma.masked_less(good.value, 0), good.error)
-
-
 PAGE = Path(__file__).parents[3] / "docs/learning.md"
 
 
-def blocks(section: str) -> list[str]:
-    """Indented blocks in a section of the page."""
-    text = PAGE.read_text(encoding="utf-8").split(f"\n## {section}\n")[1].split("\n## ")[0]
-    blocks_of_code, lines = [], list[str]()
-    for line in [*text.splitlines(), ""]:
-        if line.startswith("    "):
-            lines.append(line[4:])
-        elif lines:
-            blocks_of_code.append("\n".join(lines) + "\n")
-            lines = []
-    return blocks_of_code
-
-
 def test_one_row_is_learnt_from_as_the_page_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text, row, command, words = blocks("One row")
+    section = PAGE.read_text(encoding="utf-8").split("\n## One row\n")[1].split("\n## ")[0]
+    text, row, command, words = map(dedent, re.findall(r"(?:^    .*\n)+", section, re.MULTILINE))
     for folder in ("config", "results/study"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "row.csv").write_text(row, encoding="utf-8")

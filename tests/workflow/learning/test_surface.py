@@ -6,7 +6,7 @@ import xarray as xr
 
 from solver import solve
 from surrogate import GaussianProcess, GridGP, OutOfBoxError, load, save
-from tests.studies import fitted, made, refusal
+from tests.studies import fitted, made
 from workflow.dataset import factorial
 from workflow.learning import surface
 from workflow.study.model import Study
@@ -66,9 +66,3 @@ def test_intervals_of_the_regular_parts_hold(study: Study, models: tuple[GridGP,
     np.testing.assert_allclose(table["coverage"], 0.95, rtol=0, atol=0.025)
     assert float(table["worst_decile_coverage"].min()) >= 0.85
     assert float(table["max_error"].max()) < 1e-4
-
-
-@pytest.mark.parametrize("kind", ["electric: insulating", "profile: half_cylinder"])
-def test_other_punches_are_refused(kind: str) -> None:
-    text = TEXT.replace("magnetic_charge: 1e-5", kind).replace("  charge: {low: -1e-6, high: 1e-6, levels: 2}\n", "")
-    assert refusal(text).startswith("surrogate: fields: only those under a cylinder that conducts")

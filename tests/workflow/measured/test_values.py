@@ -1,6 +1,5 @@
 """Every value of the model against closed formulas and published digits, with constants that stand here."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, get_args
@@ -10,7 +9,6 @@ import pytest
 
 from docs import measurements
 from storage.netcdf import read_whole, write_whole
-from tests.studies import edited, refusal
 from workflow.measured import comparison
 from workflow.measured.comparison import AGREES_WITHIN, Row, Spread, compared, dataset, judged, modelled, valued
 from workflow.report import sentences
@@ -96,10 +94,6 @@ ROW: dict[str, Any] = {
 }  # fmt: skip
 
 
-CASE = "{material: LiNbO3, profile: sphere, radius: 1.0e-6, force: 1.0e-4}"
-MODEL = f"    model: [{{quantity: charge_per_force, case: {CASE}}}]"
-
-
 def row(**changed: Any) -> Measurement:
     return Measurement.model_validate(ROW | changed)
 
@@ -119,8 +113,6 @@ def told(measured: Measurement, model: list[Spread], rivals: Sequence[Spread] = 
     ("changed", "modelled", "word"),
     [
         ({}, spread(10 + 3 * 1.99), "agrees"),
-        ({}, spread(10 - 3 * 1.99), "agrees"),
-        ({}, spread(10 + 3 * 2.01), "disagrees"),
         ({}, spread(10 - 3 * 2.01), "disagrees"),
         ({}, spread(20.0, 8.0), "agrees"),  # by the spread of constants
         ({"error": None}, spread(10.0), "agrees"),
@@ -146,33 +138,6 @@ def test_a_verdict_has_its_deviations_and_its_reason() -> None:
     assert because.endswith("; free d33 does not fit; clamped d33 fits too")
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "expected"),
-    [
-        ("value: 13.0", "value: -13.0",
-         "measurements.lithium_niobate_tip.value: -13.0: input should be greater than 0"),
-        ("value: 13.0", "value: .nan", "measurements.lithium_niobate_tip.value: nan: "),
-        ("error: 2.0", "error: 0.0", "measurements.lithium_niobate_tip.error: 0.0: input should be greater than 0"),
-        ("unit: pC/N", "unit: nC/N", "measurements.lithium_niobate_tip.unit: 'nC/N': "),
-        ("unit: pC/N", "units: pC/N", "measurements.lithium_niobate_tip.units: unknown key"),
-        ("quantity: charge_per_force", "quantity: charge", "measurements.lithium_niobate_tip.model.0.quantity: "),
-        ("{material: LiNbO3, profile", "{material: LiNbO, profile", "measurements.lithium_niobate_tip.model.0: "),
-        ("{material: LiNbO3, profile", "{profile", "measurements.lithium_niobate_tip.model.0: case: material: missing"),
-        (", scandium_fraction: 0.1}", "}",
-         "measurements.scandium_nitride_diffraction.model.0: case: scandium_fraction: mi"),
-        ("composite: AlScN, scandium_fraction: 0.1", "composite: fibrous, volume_fraction: 0.5",
-         "measurements.scandium_nitride_diffraction.model.0: case: composite: 'fibrous' is not one of AlScN"),
-        ("collector: 2, patch_size: 1.0e-5", "collector: 2",
-         "measurements.aluminium_nitride_full_electrode.rivals.2: case: patch_size: missing"),
-        ("force: 1.0e-4}", "farce: 1.0e-4}", "measurements.lithium_niobate_tip.model.0.case.farce: "),
-        (MODEL, "    model: []", "measurements.lithium_niobate_tip: model: 0 values; must be one"),
-    ],
-)  # fmt: skip
-def test_a_bad_row_is_refused_in_one_line(old: str, new: str, expected: str) -> None:
-    text = Path("config/measured.yaml").read_text(encoding="utf-8")
-    assert refusal(edited(text, old, new)).startswith(expected)
-
-
 @pytest.fixture(scope="module")
 def rows() -> list[Row]:
     return measurements.rows()
@@ -181,7 +146,6 @@ def rows() -> list[Row]:
 def test_the_page_and_the_file_have_the_numbers_of_the_run(rows: list[Row], tmp_path: Path) -> None:
     text = measurements.PAGE.read_text(encoding="utf-8")
     assert measurements.table(rows) in text
-    assert measurements.written(text, rows) == text
     assert all(row["because"] and row["source"] and row["decides"] for row in rows)
     write_whole(dataset(rows), tmp_path / "measurements.nc")
     data = read_whole(tmp_path / "measurements.nc")
@@ -209,9 +173,5 @@ def test_the_readme_begins_with_rows_of_the_run(rows: list[Row]) -> None:
 )
 def test_a_case_that_the_solver_refuses_names_its_row(changed: dict[str, Any], expected: str) -> None:
     case = {"material": "PZT-4", "profile": "sphere", "radius": 1.0, "force": 1.0, **changed}
-    row = Measurement.model_validate(
-        {"of": "x", "value": 1.0, "unit": "pC/N", "source": "x", "decides": "x", "model": [
-            {"quantity": "charge_per_force", "case": case}]}
-    )  # fmt: skip
-    with pytest.raises(InputError, match=re.compile(f"^measurements: mine: {expected}$")):
-        compared({"mine": row})
+    with pytest.raises(InputError, match=f"^measurements: mine: {expected}$"):
+        compared({"mine": row(model=[{"quantity": "charge_per_force", "case": case}])})

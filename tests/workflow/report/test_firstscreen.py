@@ -5,17 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.textpath import TextPath
 
 from storage.netcdf import read_whole
 from tests.studies import shipped
 from tests.workflow.conftest import Project
 from workflow.design.verdict import netcdf
-from workflow.design.wording.words import first_to_break, verdict
+from workflow.design.wording.words import first_to_break
 from workflow.language.numbers import shown
 from workflow.language.titles import title
-from workflow.report import device, exact, firstscreen, ranked, sentences, svg
+from workflow.report import device, exact, firstscreen, ranked, sentences
 from workflow.report.device import Device
 from workflow.report.firstscreen import Case
 from workflow.report.svg import ACCENT, BAD
@@ -80,13 +79,10 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     moved = exact.of_design(study, target, answer)
     solved = {"contact": exact.contact(study, answer), "around": {}, "on_datum": moved}
     screen = firstscreen.answered(study, "sensor", target, answer, solved)
-    assert screen.reachable
-    assert screen.title == "Largest voltage per load"
     assert said(screen.stops) == "Limited by tension behind the contact of 50 MPa."
     assert re.fullmatch(
         r"With .* 1 % off, tension behind the contact is [\d.]+ % beyond its limit\.", said(screen.breaks)
     )
-    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", said(screen.build))
     band = re.fullmatch(
         r"Voltage per load \(ground 1 m away\) ([\d.]+) mV·m/N ± ([\d.]+) %, at worst over friction 0\.1 to 0\.4",
         said(screen.does),
@@ -94,33 +90,20 @@ def test_a_sentence_changes_when_its_numbers_do(ran: Project) -> None:
     assert band
     assert float(band[1]) == pytest.approx(1e3 * answer.terms[0].exact, rel=5e-3)
     assert float(band[2]) == pytest.approx(100 * answer.terms[0].spread, rel=0.05)
-    assert screen.doubt == ""
     goal = replace(answer.terms[0], exact=2 * answer.terms[0].exact)
-    variables = [
-        replace(
-            variable,
-            value=0.05 if variable.name == "radius" else variable.value,
-            sensitivity=replace(variable.sensitivity, cost=2 * variable.sensitivity.cost),
-        )
-        for variable in answer.variables
-    ]
-    other = replace(answer, terms=(goal, *answer.terms[1:]), variables=tuple(variables))
+    variables = tuple(replace(entry, value=0.05) if entry.name == "radius" else entry for entry in answer.variables)
+    other = replace(answer, terms=(goal, *answer.terms[1:]), variables=variables)
     changed = firstscreen.answered(study, "sensor", target, other, {**solved, "contact": exact.contact(study, other)})
     assert said(changed.build).endswith("; R = 50 mm")
     number = [float(re.findall(r"[\d.]+", text.does)[1]) for text in (screen, changed)]
     assert number[1] == pytest.approx(2 * number[0], rel=0.01)
-    assert changed.why != screen.why
     assert changed.drawing != screen.drawing
     tight = replace(answer.terms[2], margin=0.02)
     tolerated = tuple(
         replace(variable, tolerance="5 %") if variable.chosen else variable for variable in answer.variables
     )
     terms = (goal, replace(answer.terms[1], margin=0.3), tight)
-    within = replace(answer, variables=tolerated, terms=terms)
-    assert "2 %" in first_to_break(within)
-    assert first_to_break(replace(answer, terms=(goal,))) == ""
-    missed = verdict(netcdf.read(folder / "impossible.nc")).kind
-    assert sentences.reached({"sensor": screen.verdict, "a b": missed}) == "A b is not reachable (1 of 2 targets)."
+    assert "2 %" in first_to_break(replace(answer, variables=tolerated, terms=terms))
     assert sentences.reached({"sensor": screen.verdict}) == "The target is reachable."
 
 
@@ -181,12 +164,6 @@ def test_layers_punches_and_doubts_are_said() -> None:
     assert firstscreen.doubted(shipped("quickstart")) == ""
 
 
-def told_of(totals: list[list[float]], outputs: list[str], inputs: list[str]) -> str:
-    """The sentence of some Sobol' indices, made from the chart under it."""
-    total = xr.DataArray(totals, {"output": outputs, "input": inputs})
-    return sentences.sensitivity(ranked.sensitivities(xr.Dataset({"total": total, "first_order": total / 2}), outputs))
-
-
 def test_the_sentence_about_a_goal_is_that_of_the_chart_under_it(ran: Project) -> None:
     folder = ran.folder / "results/small"
     aims = coupling.aims(load(ran.folder / "config/small.yaml"))
@@ -220,22 +197,6 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert all(number in sentences.readout([tried]) for number in ("1 %", "95 %", "96 % of 50 cases"))
 
 
-def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
-    outputs = ["charge_per_force[rigid]", "charge_per_force[steel]", "voltage[rigid]", "voltage[steel]"]
-    totals = [[0.95, 0.1, 0.0], [0.97, 0.1, 0.0], [0.1, 0.9, 0.2], [0.1, 0.2, 0.8]]
-    inputs = ["volume_fraction", "load", "radius"]
-    assert told_of(totals, outputs, inputs) == (
-        "Charge per force (95 to 97 %) depends most on volume fraction; voltage of rigid (90 %) depends most on load; "
-        "voltage of steel (80 %) depends most on radius (shares of the variance over the ranges, with interactions)."
-    )
-    sensor = shipped("film_sensor")
-    goals = {
-        name for target in sensor.design.values() for goal in target.objectives for name in goal.expression.names()
-    }
-    assert {name.partition("[")[0] for name in coupling.aims(sensor)} == goals & set(sensor.outputs)
-    assert len(coupling.aims(sensor)) == 2 * len(goals & set(sensor.outputs))
-
-
 def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     rows = [
         {"name": "base", "spans": {"trailing_tension": (1e3, 1e6)}},  # by a factor of 1,000, and yet the lesser
@@ -244,16 +205,11 @@ def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:
     charts = ranked.spans(rows)
     assert [[bar.name for bar in width.bars] for width in charts] == [["friction", "base"], ["friction"]]
     drawn = ranked.draw(charts)
-    parts = svg.element(drawn, "spans", "what matters")
-    assert [parts.count(width) for width in ('<div class="parts">', "<svg ", 'class="figure"')] == [1, 2, 2]
-    assert svg.element(ranked.draw(charts[:1]), "spans", "what matters").startswith("<svg ")
     assert re.findall(r'data-factor="(\w+)"', drawn) == ["friction", "base", "friction"]
     widths = [float(width) for width in re.findall(r'class="bar".*? width="([\d.]+)"', drawn)]
     assert widths[1] / widths[0] == pytest.approx(0.999 / 130, abs=0.01)
-    (room,) = {*re.findall(r'viewBox="0 0 (\d+) ', drawn)}
+    (right,) = {*re.findall(r'viewBox="0 0 (\d+) ', drawn)}
     words = re.findall(r'<text x="([\d.]+)" y="\d+" fill="[^"]+" font-size="11">([^<]+)<', drawn)
-    assert max(float(x) + TextPath((0, 0), width, size=11).get_extents().x1 for x, width in words) < float(room)
-    (zero,) = re.findall(r'<path d="M([\d.]+) ', drawn)
-    assert all(float(x) > float(zero) for x, _ in words[2:])
+    assert max(float(x) + TextPath((0, 0), text, size=11).get_extents().x1 for x, text in words) < float(right)
     sentence = sentences.strongest(charts)
     assert sentence.startswith("Tension behind the contact depends most on friction (20 MPa to 150 MPa)")

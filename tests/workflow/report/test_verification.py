@@ -2,12 +2,8 @@
 
 import json
 import re
-from pathlib import Path
-
-import pytest
 
 from tests.workflow.conftest import Copy, Project
-from workflow.report.verification import RedError, verdict
 
 FEW, DRAWN = ("limits", "films"), ("films",)
 GROUPS = len(FEW)
@@ -64,16 +60,3 @@ def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
     assert f"0 of {GROUPS}" in page
     assert page.count('<td class="bad">red</td>') == GROUPS
     assert not (results / "verdict.txt").exists()
-
-
-def test_the_verdict_counts(tmp_path: Path) -> None:
-    file = tmp_path / "group.json"
-    rows = [{"name": "a", "error": None, "tolerance": 1.0, "passed": False}, {"name": "b", "passed": True}]
-    file.write_text(json.dumps({"checks": rows[1:]}), encoding="utf-8")
-    assert verdict([file]) == "1 checks, all green\n"
-    file.write_text(json.dumps({"checks": rows}), encoding="utf-8")
-    with pytest.raises(RedError, match=r"1 of 2 checks are red: a \(None > 1.0\)"):
-        verdict([file])
-    file.write_text(json.dumps({"checks": []}), encoding="utf-8")
-    with pytest.raises(RedError, match="0 of 0"):
-        verdict([file])

@@ -39,12 +39,7 @@ def test_checkouts_that_share_results_share_the_lock(disk: Path, monkeypatch: py
     assert not [file for file in disk.rglob("*") if file.is_file()]
     running.claim({"tiny": {"title": "two"}})
     assert running.begun("tiny") == {"title": "two"}
-
-
-def test_a_link_of_one_study_leads_to_its_lock_too(disk: Path) -> None:
-    (disk / "tiny").mkdir()
     (disk / "same").symlink_to(disk / "tiny")
-    running.claim({"tiny": {}})
     with pytest.raises(running.BusyError, match="study 'same' is already being run"):
         running.claim({"same": {}})
 
@@ -88,10 +83,3 @@ def test_results_without_locks_are_named_in_one_line(disk: Path, monkeypatch: py
     monkeypatch.setattr(fcntl, "flock", none)
     with pytest.raises(OSError, match=r"No locks available: 'results/tiny/\.running'"):
         running.claim({"tiny": {}})
-
-
-def test_sweeping_leaves_what_is_whole(tmp_path: Path) -> None:
-    for name in (".slab_0.nc.x.partial", "slab_0.nc", "slab_1.nc", ".hidden"):
-        (tmp_path / name).touch()
-    running.sweep(tmp_path, [tmp_path / "slab_1.nc", tmp_path / "absent.nc"])
-    assert {file.name for file in tmp_path.iterdir()} == {"slab_0.nc", ".hidden"}

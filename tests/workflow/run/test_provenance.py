@@ -1,13 +1,13 @@
 """The hash of a script follows the sources that the script reaches, and nothing else."""
 
 import ast
-import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
+from tests import layers
 from tests.workflow.conftest import job
 from workflow.run import joblog, lock, provenance
 from workflow.run.provenance import ChangedError
@@ -20,7 +20,8 @@ def reached(script: str) -> set[str]:
 
 
 def test_imports_by_their_lines_are_those_that_python_reads() -> None:
-    for path in (file for room in provenance.ROOMS for file in (provenance.ROOT / room).rglob("*.py")):
+    files = sorted(file for room in provenance.ROOMS for file in (provenance.ROOT / room).rglob("*.py"))
+    for path in files if layers.SOAK else files[::4]:
         text = path.read_text(encoding="utf-8")
         parsed = set()
         for node in ast.walk(ast.parse(text)):
@@ -34,43 +35,22 @@ def test_imports_by_their_lines_are_those_that_python_reads() -> None:
 @pytest.mark.parametrize(
     ("script", "held", "left_out"),
     [
-        (
-            "slab.py",
-            "solver/face/solution.py solver/halfplane/contact.py solver/material/materials.toml "
-            "workflow/dataset/factorial.py",
-            "workflow/report/page.py workflow/design/search/targets.py workflow/cli/main.py surrogate/gp/gridgp.py",
-        ),
-        (
-            "target.py",
-            "solver/halfplane/contact.py surrogate/search/optimise.py workflow/design/search/targets.py",
-            "workflow/report/page.py",
-        ),
-        ("sensitivity.py", "surrogate/gp/gridgp.py surrogate/face/persistence.py", ""),
+        ("slab.py", "solver/halfplane/contact.py solver/material/materials.toml workflow/dataset/factorial.py",
+         "workflow/report/page.py workflow/design/search/targets.py workflow/cli/main.py surrogate/gp/gridgp.py"),
+        ("target.py", "solver/halfplane/contact.py surrogate/search/optimise.py", "workflow/report/page.py"),
         ("report.py", "workflow/report/templates/report.html.j2", "workflow/design/search/targets.py"),
     ],
-)
+)  # fmt: skip
 def test_a_script_reaches_the_modules_and_data_that_it_needs(script: str, held: str, left_out: str) -> None:
     files = reached(script)
     assert files >= set(held.split())
     assert not files & set(left_out.split())
 
 
-@pytest.mark.slow
-def test_jobs_and_commands_without_models_and_figures_start_without_their_libraries() -> None:
-    modules = "solver, workflow.dataset.slabs, workflow.dataset.datacard, workflow.cli.launch, workflow.cli.main"
-    code = f"import sys, {modules}; print(*{{'sklearn', 'matplotlib', 'jinja2', 'scipy.stats'}} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == ""
-
-
 def test_the_hash_follows_the_bytes() -> None:
     first = provenance.code("workflow/scripts/report.py")
     assert first == provenance.code("workflow/scripts/report.py")
     assert first != provenance.code("workflow/scripts/report.py", "workflow/report/captions/design.rst")
-
-
-def test_versions_name_every_named_package() -> None:
-    assert set(provenance.versions()) == {"python", *provenance.PACKAGES}
 
 
 @pytest.fixture
@@ -90,23 +70,18 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_job_refuses_what_was_edited_or_is_gone(root: Path, name: str) -> None:
     planned, script, whole = provenance.digests(), str(root / "workflow/scripts/slab.py"), (root / name).read_bytes()
     assert len(planned) == 4
+    (root / "solver/other.py").write_text("edited", encoding="utf-8")  # what the job does not import may change
     provenance.check(planned, script)
     (root / name).write_text("edited", encoding="utf-8")
     with pytest.raises(ChangedError, match=f"^{name}: was changed after this job was planned; run the study again$"):
         provenance.check(planned, script)
+    provenance.check({}, script)  # a script that runs alone
     (root / name).write_bytes(whole)
     provenance.check(planned, script)
     (root / name).unlink()
     if not name.endswith(".toml"):  # no file names data that is gone; who reads it fails
         with pytest.raises(ChangedError, match=name):
             provenance.check(planned, script)
-
-
-def test_what_a_job_does_not_import_may_change(root: Path) -> None:
-    planned = provenance.digests()
-    (root / "solver/other.py").write_text("edited", encoding="utf-8")
-    provenance.check(planned, str(root / "workflow/scripts/slab.py"))
-    provenance.check({}, str(root / "workflow/scripts/slab.py"))  # a script that runs alone
 
 
 def test_a_job_is_held_to_the_sources_of_its_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,11 +1,13 @@
-"""Studies of films: what they accept, what their cases have, and the one line with which they are refused."""
+"""Studies of films: what their cases have, what their materials bear, and numbers of their device."""
 
 import pytest
 
+from solver import find
 from solver.names import FILM_QUANTITIES, QUANTITIES
 from tests.studies import made, shipped
 from workflow.study import coupling, datum
-from workflow.study.model import Study
+from workflow.study.allowable import allowable
+from workflow.study.model import Study, thawed
 
 FILM = """\
 title: A film
@@ -82,3 +84,33 @@ def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_f
     surrogate = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
     assert coupling.told(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
     assert coupling.told(QUICKSTART) == QUICKSTART.outputs
+
+
+def test_a_composite_bears_what_its_weaker_phase_does() -> None:
+    factors = {"composite": "fibrous", "volume_fraction": 0.5}
+    strength = allowable("tensile_strength", factors, {}, ["PZT-4", "PZT-5H"])
+    assert strength.value == min(find(name).limits["tensile_strength"].value for name in ("PZT-4", "PZT-5H"))
+    assert strength.material == "PZT-5H, the weaker phase"
+    assert strength.source == find("PZT-5H").limits["tensile_strength"].source
+    assert allowable("tensile_strength", {**factors, "volume_fraction": 1}, {}, ["PZT-4", "PZT-5H"]).material == "PZT-4"
+    field = allowable("coercive_field", {}, {}, ["BaTiO3", "CoFe2O4"])
+    assert (field.value, field.material) == (0.3e6, "BaTiO3 (CoFe2O4: none known)")
+    with pytest.raises(ValueError, match="base_yield_strength: a half-plane, without a base, has none"):
+        allowable("base_yield_strength", {}, {}, ["BaTiO3", "CoFe2O4"])
+    assert (
+        allowable("base_yield_strength", {"base": "steel"}, {}, []).value
+        == find("steel").limits["yield_strength"].value
+    )
+    assert allowable("coercive_field", {"composite": "AlScN", "scandium_fraction": 0.2}, {}, []).value == 200e6
+
+
+def test_the_numbers_of_a_device_have_units() -> None:
+    amplifier = "{input_capacitance: 10 pF, input_resistance: 1 TOhm, cable_capacitance: 1e-10, charge_noise: 2 fC}"
+    study = made(f"{FILM}device: {{electrode_length: 10 mm, amplifier: {amplifier}}}\n")
+    assert study.device is not None
+    assert study.device.constants == {
+        "electrode_length": 0.01, "input_capacitance": 10e-12, "input_resistance": 1e12, "cable_capacitance": 1e-10,
+        "charge_noise": 2e-15, "voltage_noise": 0.0, "open_loop_gain": 1e6,
+        "temperature": 293.15, "thermal_energy": pytest.approx(4.0474e-21, rel=1e-4, abs=0), "feedback_heat": 0.0,
+    }  # fmt: skip
+    assert thawed(study.frozen()).device == study.device

@@ -8,10 +8,11 @@ import pytest
 import solver
 from solver.fields import FIELDS
 from storage.netcdf import read_whole
-from tests.studies import fitted, made
+from tests.studies import made
 from workflow.dataset import slabs as dataset
 from workflow.design.search import targets
 from workflow.design.search.contact_fields import fields
+from workflow.learning import training
 from workflow.report import page
 from workflow.study.model import Study, thawed
 
@@ -75,8 +76,8 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(study: Study, slab: Pat
             )
 
 
-def test_a_design_takes_a_lower_layers_thickness(study: Study) -> None:
-    answer = targets.solve_target(study, "thin", fitted(study))
+def test_a_design_takes_a_lower_layers_thickness(study: Study, slab: Path) -> None:
+    answer = targets.solve_target(study, "thin", training.fit(study, read_whole(slab).drop_dims("position")))
     design = {name: answer.variable(name).value for name in study.factors}
     assert design["copper_thickness"] <= 55e-6 * (1 + 1e-9)
     base = answer.combination["base"]

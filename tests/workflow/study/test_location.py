@@ -1,15 +1,15 @@
-"""Studies by name, by path and from their results; names that no later step can bear are refused."""
+"""Studies by name, by path and from their results; bad names and unread configuration are refused."""
 
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from tests.workflow.conftest import Copy
 from workflow.cli import main
-from workflow.study import location
+from workflow.study import configuration, location
 from workflow.study.reading import InputError
 
 STUDY = "title: t\neffects: {baseline: {material: PZT-4, radius: 0.05, load: 1e5}, vary: {friction: [0.0, 0.4]}}\n"
@@ -48,9 +48,6 @@ def test_outside_of_a_project_it_says_what_to_do(folder: Path, capsys: pytest.Ca
     assert f"study: 'quickstar' is unknown: {folder} has no config/*.yaml; go to a folder that has one" in line
     assert "did you mean 'quickstart'?" in line
     assert line.count("\n") == 1
-    write(folder / "config/other.yaml")
-    with pytest.raises(InputError, match=r"did you mean 'quickstart'\? all.*; or the path of a study's file"):
-        location.location("quickstar")
 
 
 def test_a_study_comes_with_the_program_unless_the_folder_has_one_of_its_name(folder: Path) -> None:
@@ -70,17 +67,14 @@ def test_what_is_no_file_is_not_waited_for(folder: Path) -> None:
             location.given(name)
 
 
-@pytest.mark.slow
-def test_a_path_is_found_again_by_those_that_this_process_starts(folder: Path) -> None:
+def test_a_study_that_was_given_by_a_path_keeps_its_name(folder: Path) -> None:
     write(folder / "config/mine.yaml")
     mine, other = write(folder / "far/mine.yaml"), write(folder / "other/mine.yaml")
     assert location.location("mine") == Path("config/mine.yaml")
     assert location.given("far/mine.yaml") == location.given(str(mine)) == "mine"
     with pytest.raises(InputError, match="another study named 'mine' was given before"):
         location.given(str(other))
-    command = "from workflow.study import location; print(location.location('mine'), end='')"
-    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
-    assert done.stdout == str(mine)
+    assert location.location("mine") == mine
 
 
 def test_results_know_the_file_that_they_were_made_from(folder: Path) -> None:
@@ -94,3 +88,26 @@ def test_results_know_the_file_that_they_were_made_from(folder: Path) -> None:
     for study, expected in ((record, far), ("../../gone.yaml", near), (3, near), ("../../../../etc/passwd", near)):
         (results / "provenance.json").write_text(json.dumps({"study": study}), encoding="utf-8")
         assert location.of_results(Path("results/mine")) == expected
+
+
+@pytest.mark.parametrize(
+    ("config", "entries", "reason"),
+    [
+        ({"stduy": "peaks"}, (), "'stduy': not read; did you mean 'study'"),
+        ({"study": "peaks", "friction": 0.4}, (), "'friction': not read; the pipeline reads"),
+        ({"study": None}, (), "None is no study"),
+        ({"study": {"friction": "0.4"}}, (), "is no study"),
+        ({"study": "film"}, ("study=peaks", "study=film"), "study=peaks study=film: study is given 2 times"),
+    ],
+)
+def test_unread_configuration_is_refused(config: dict[str, Any], entries: tuple[str, ...], reason: str) -> None:
+    with pytest.raises(InputError, match=reason) as refusal:
+        configuration.study(config, entries)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_run_with_unread_configuration_plans_nothing(copy: Copy) -> None:
+    project = copy("configuration")
+    done = project.snakemake("-n", "--config", "study=small", "friction=0.4", check=False)
+    assert done.returncode == 1
+    assert "'friction': not read" in done.stdout + done.stderr

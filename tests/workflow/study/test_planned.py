@@ -1,19 +1,17 @@
 """A job works on the study that it was planned with, or refuses: never on what the file has become since."""
 
 import json
-import re
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from tests import studies
 from tests.workflow.conftest import SMALL, Copy, Project, job
 from workflow.run import lock
-from workflow.run.provenance import ROOT, imports
 from workflow.study import partition, planned
-from workflow.study.contents import BOX, PHYSICS
+from workflow.study.contents import PHYSICS
 from workflow.study.model import Study, load, named, thawed
 from workflow.study.reading import InputError
 
@@ -104,104 +102,39 @@ def test_limits_and_alternatives_of_own_materials_thaw_too(own_study: Study) -> 
     assert study.digest(*PHYSICS) != own_study.digest(*PHYSICS)
 
 
-def test_a_slab_is_of_the_count_that_it_was_planned_with(own_study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
-    planned_study = partition.with_slabs(named("own"))
-    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
+def test_a_job_on_other_cores_has_the_slabs_that_were_planned(
+    own_study: Study, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The planner hands its number on by --config too: a node of fewer cores would take slab 0 for all cases."""
     monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
-    two = partition.with_slabs(named("own"))
-    assert (partition.count(planned_study), partition.count(two)) == (1, 2)
-    assert planned_study.digest("dataset") != two.digest("dataset")
-    assert partition.count(thawed(planned_study.frozen())) == 1  # on a node with more cores than the login node
-
-
-def test_a_node_without_the_planners_folder_has_its_slabs(own_study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The planner hands its number on by --config, since a node of fewer cores would take slab 0 for all cases."""
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 1})
-    monkeypatch.setattr("os.sysconf", {"SC_PAGE_SIZE": 4096, "SC_PHYS_PAGES": 2**22}.__getitem__)
     entries = partition.settle(["study=own"], planner=True)
-    expected = partition.with_slabs(named("own"))
+    two = partition.with_slabs(named("own"))
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
     monkeypatch.setattr("os.environ", {})
-    assert partition.count(named("own")) == 1
+    assert (partition.count(two), partition.count(thawed(two.frozen())), partition.count(named("own"))) == (2, 2, 1)
+    assert partition.with_slabs(named("own")).digest("dataset") != two.digest("dataset")
     assert partition.settle(entries, planner=False) == entries
-    assert partition.with_slabs(named("own")).digest("dataset") == expected.digest("dataset")
+    assert partition.with_slabs(named("own")).digest("dataset") == two.digest("dataset")
 
 
-def rules() -> Iterator[tuple[str, str, str]]:
-    """Name, script and text of every rule that has a script."""
-    for file in sorted((ROOT / "workflow/rules").glob("*.smk")):
-        for text in re.split(r"^(?=rule )", file.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
-            script = re.search(r'^    script:\n +"\.\./scripts/(\w+\.py)"', text, re.MULTILINE)
-            assert script, text
-            yield text.split()[1].rstrip(":"), script[1], text
+TARGET = {"target", "design", "figure_design", "sensitivity", "figure_sensitivity", "solved", "provenance", "report"}
 
 
-def test_every_script_that_needs_a_study_takes_the_one_it_was_planned_with() -> None:
-    checked = 0
-    for rule, script, text in rules():
-        source = (ROOT / "workflow/scripts" / script).read_text(encoding="utf-8")
-        imported = list(imports(source))
-        assert ("workflow.study", "model") not in imported, script
-        assert not [module for module, _ in imported if module.startswith("workflow.study.model")], script
-        if ("workflow.study", "planned") in imported:
-            assert re.findall(r"planned\.(?!pressed)\w+\(.*", source) == ["planned.start(globals())"], script
-            assert re.search(r"^        study=sections\(", text, re.MULTILINE), rule
-            checked += 1
-    assert checked >= 14
-
-
-def rerun(before: Study, after: Study) -> set[str]:
-    """Rules whose parameter changes from one state of a study to another."""
-    reruns = set()
-    for rule, _, text in rules():
-        if read := re.search(r"^        study=sections\((.*)\)", text, re.MULTILINE):
-            words = [word.strip(' "') for word in read[1].split(",") if word]
-            names = [
-                part for word in words for part in (PHYSICS if word == "*PHYSICS" else (word.replace("BOX", BOX),))
-            ]
-            for name in before.design or [""]:
-                sections = [part.format(name=name) for part in names]
-                if planned.parameter(before, *sections) != planned.parameter(after, *sections):
-                    reruns.add(f"{rule} {name}" if sections != names else rule)
-    return reruns
-
-
-SOLVED = {"slab", "batch", "cases", "calibration"}
-LEARNED = {"quantities", "surrogate", "validation", "levels", "sensitivity", "design"}
-TARGETS = {"target sensor", "target actuator", "figure_design sensor", "figure_design actuator"}
-PAGE = {"report", "solved"}
-
-
-def changed(study: Study, section: str, **values: Any) -> Study:
-    """The study with other values in a section, or in the entry ``section.name`` of one."""
-    section, _, name = section.partition(".")
-    old = getattr(study, section)
-    new = old | {name: old[name].model_copy(update=values)} if name else old.model_copy(update=values)
-    return study.model_copy(update={section: new})
-
-
-LEVELS_CHANGE = PAGE | TARGETS | LEARNED | {"slab", "batch", "card", "readout", "surface", "press"}
-
-
-@pytest.mark.parametrize(
-    ("section", "values", "expected"),
-    [
-        (
-            "design.sensor",
-            {"title": "Another"},
-            PAGE | {"design", "sensitivity", "target sensor", "figure_design sensor"},
-        ),
-        ("validation", {"cases": 100}, {"report", "cases", "surface"}),
-        ("validation", {"calibration": 100}, {"report", "calibration", "surface"}),
-        ("factors.friction", {"levels": 6}, LEVELS_CHANGE),
-        ("factors.friction", {"high": 0.5}, LEVELS_CHANGE | SOLVED),
-    ],
-)
-def test_an_edit_reruns_what_hangs_on_it(section: str, values: dict[str, Any], expected: set[str]) -> None:
-    study = load(ROOT / "config/quickstart.yaml")
-    rules = rerun(study, changed(study, section, **values))
-    assert {rule for rule in rules if not rule.startswith("readout ")} - {"readout"} == expected - {"readout"}
+def test_an_edit_reruns_what_hangs_on_it(ran: Project, copy: Copy) -> None:
+    """Edits of a study's sections; those of sources: tests/workflow/test_pipeline.py."""
+    project = copy("edits")
+    for folder in ("results", ".snakemake"):
+        shutil.copytree(ran.folder / folder, project.folder / folder)
+    for old, new, file, expected in (
+        ("maximise: abs(voltage_per_load)", "minimise: peak_pressure", "report.html", TARGET),
+        ("maximise: abs(voltage_per_load)", "minimise: peak_pressure", "design/impossible.nc", set()),
+        ("cases: 200", "cases: 100", "validation.nc", {"cases", "validation"}),
+        ("0.5, levels: 4", "0.5, levels: 5", "surrogate.nc", {"slab", "quantities", "surrogate"}),
+        ("0.5, levels: 4", "0.4, levels: 4", "surrogate.nc", {"slab", "quantities", "calibration", "surrogate"}),
+    ):
+        reruns = project.planned_after([("config/small.yaml", old, new)], f"results/small/{file}")
+        assert reruns == expected, (new, file)
 
 
 def test_a_node_of_a_cluster_works_on_the_study_of_the_start(copy: Copy, ran: Project) -> None:

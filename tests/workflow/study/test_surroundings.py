@@ -4,23 +4,20 @@ import re
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from solver import solve
-from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR, POINT_FILM_IN_AIR
+from solver.body import FILM_IN_AIR, HALF_PLANE_IN_AIR, POINT_FILM_IN_AIR, Kind
 from solver.names import GAP_QUANTITIES, POINT_GAP_QUANTITIES
 from storage.netcdf import read_whole
 from tests.studies import edited, made, refusal
 from workflow.dataset import slabs
-from workflow.dataset.effects import effect
 from workflow.design.search import targets
 from workflow.language import grammar
 from workflow.learning import training
 from workflow.report import exact
 from workflow.study import defaults
 from workflow.study.contents import Contents, Origin
-from workflow.study.model import Study
 
 #: A half-plane, whose tables are small.
 AIR = """\
@@ -31,56 +28,13 @@ factors:
 """
 
 
-@pytest.fixture(scope="module")
-def alone() -> Study:
-    return made(AIR)
-
-
-@pytest.fixture(scope="module")
-def mixed() -> Study:
-    return made(AIR.replace(", surroundings: air}", "}\ncategories: {surroundings: [insulated, air]}"))
-
-
-def test_cases_have_the_quantities_of_contacts_in_air(alone: Study) -> None:
-    assert alone.kind is HALF_PLANE_IN_AIR
-    assert alone.surroundings == ["air"]
-    assert {*GAP_QUANTITIES, "capacitance_per_length", "voltage"} <= {*alone.quantities}
-    assert not [name for name in alone.quantities if "edge_intensity" in name]
-    assert alone.costly >= {*alone.quantities}
-
-
-def test_what_only_some_surroundings_have_is_lacked(mixed: Study) -> None:
+def test_what_only_some_surroundings_have_is_lacked() -> None:
+    mixed = made(AIR.replace(", surroundings: air}", "}\ncategories: {surroundings: [insulated, air]}"))
     assert mixed.surroundings == ["insulated", "air"]
     assert mixed.absent >= {*GAP_QUANTITIES, "electric_edge_intensity_trailing", "capacitance_per_length"}
     assert "voltage[air]" in mixed.output_names
-    assert mixed.narrowed({"surroundings": "insulated"}).kind.air is False
-
-
-def test_fields_of_cases_in_air_are_stored_only_where_positions_are_given(alone: Study, mixed: Study) -> None:
-    assert not alone.stores_fields
-    assert not mixed.stores_fields
     assert mixed.narrowed({"surroundings": "insulated"}).stores_fields
-    film = alone.model_copy(update={"fixed": {**alone.fixed, "base": "steel", "thickness": 1e-4}})
-    assert film.kind is FILM_IN_AIR
-    assert not film.stores_fields
-    positions = "dataset: {positions: {inside: 4, outside: 2}}\n"
-    assert made(AIR + positions).stores_fields
-    assert made(BALL + positions).stores_fields
-
-
-SLIDES = """\
-effects:
-  baseline: {material: PZT-4, profile: sphere, radius: 0.05, force: 1.0, magnetic: insulating, surroundings: air}
-  vary: {friction: [0.0, 0.1]}
-  positions: {inside: 3, outside: 1}
-"""
-
-
-def test_effects_of_friction_on_a_point_in_air_are_drawn() -> None:
-    curves = effect(made(AIR + SLIDES), "friction")
-    rests, slides = curves["electric_displacement"]
-    np.testing.assert_allclose(rests, rests[::-1], rtol=1e-12)
-    assert abs(float(slides[0] / slides[-1]) - 1) > 1e-3  # of the surface beside the contact, charged by the gap
+    assert not mixed.stores_fields
 
 
 GROUPS = """\
@@ -107,21 +61,34 @@ groups:
 """
 
 
+@pytest.mark.parametrize(
+    ("text", "kind", "names"),
+    [
+        (AIR, HALF_PLANE_IN_AIR, {*GAP_QUANTITIES, "capacitance_per_length"}),
+        (GROUPS, FILM_IN_AIR, {*GAP_QUANTITIES}),
+        (BALL, POINT_FILM_IN_AIR, {*POINT_GAP_QUANTITIES}),
+    ],
+)
+def test_cases_in_air_have_its_quantities_and_store_fields_only_where_positions_are_given(
+    text: str, kind: Kind, names: set[str]
+) -> None:
+    study = made(text)
+    assert study.kind is kind
+    assert study.costly >= {*study.quantities} >= {*names, "voltage"}
+    assert not [name for name in study.quantities if "edge_intensity" in name]
+    assert not study.stores_fields
+    assert made(f"{text}dataset: {{positions: {{inside: 4, outside: 2}}}}\n").stores_fields
+
+
+def test_a_ball_in_air_reads_the_capacitance_at_its_force() -> None:
+    assert "capacitance_at_force" in grammar.parse("circuit_capacitance", made(BALL).meeting).names()
+
+
 @pytest.mark.parametrize(("text", "levels"), [(GROUPS, 3), (BALL, 2)])
 def test_groups_tell_how_wide_the_gap_is(text: str, levels: int) -> None:
     """Cases of one size are similar, but equally strong pressing does not fix the vacuum in the gap."""
     untold = edited(text, f"  radius / thickness: {{levels: {levels}}}\n", "")
     assert re.search(r"is in no group.*make radius / thickness a group", refusal(untold))
-    assert made(text).cases == levels**2
-
-
-def test_a_ball_in_air_has_figures_of_its_own() -> None:
-    ball = made(BALL)
-    assert ball.kind is POINT_FILM_IN_AIR
-    assert not ball.stores_fields
-    assert {*POINT_GAP_QUANTITIES} <= {*ball.quantities}
-    assert ball.meeting == "point in air"
-    assert "capacitance_at_force" in grammar.parse("circuit_capacitance", ball.meeting).names()
 
 
 BOX = {
@@ -211,7 +178,7 @@ title: A half-plane in air
 fixed: {material: PZT-4, magnetic: insulating, surroundings: air}
 factors:
   radius: {low: 0.03, high: 0.05, levels: 3, scale: log}
-  load: {low: 8e3, high: 1.2e4, levels: 3, scale: log}
+  load: {low: 8e3, high: 1.2e4, levels: 2, scale: log}
 dataset: {slabs: 1, positions: {inside: 4, outside: 2}}
 surrogate: {outputs: [peak_pressure, charge_per_force, capacitance_at_load]}
 validation: {cases: 20, calibration: 40, tolerance: 0.05}

@@ -9,7 +9,6 @@ from tests.studies import made
 from workflow.dataset import factorial
 from workflow.study import uncertainty
 from workflow.study.model import Study, load
-from workflow.study.reading import InputError
 from workflow.study.target import Distribution
 
 FILM = """\
@@ -40,6 +39,8 @@ def test_families_and_their_priors(film: Study) -> None:
     other = find("BaTiO3 (alternative 1)")
     off = np.mean([np.log(other.eps11 / find("BaTiO3").eps11), np.log(other.eps33 / find("BaTiO3").eps33)])
     assert priors["BaTiO3 permittivity"] == pytest.approx(abs(off))
+    alloy = "title: An alloy\nfixed: {composite: AlScN, scandium_fraction: 0.3, radius: 0.05}\n"
+    assert not uncertainty.materials(made(f"{alloy}factors: {{load: {{low: 1e4, high: 2e4, levels: 3}}}}\n"))
     assert {priors["steel poisson"], priors["steel modulus"], priors["CoFe2O4 stiffness"]} == {0.02, 0.05}
 
 
@@ -92,13 +93,3 @@ def test_the_time_of_heat_spreads_by_the_covers_conductivity() -> None:
     )[0]
     assert share == pytest.approx(-cover.std, rel=0.03)  # h^2 c/kappa: the film below is thin, the charge leaks slowly
     assert not [name for name in NAMES if name in {constant.family for constant in uncertainty.uncertain(made(FILM))}]
-
-
-def test_a_name_that_is_no_constant_is_refused(film: Study) -> None:
-    for name, hint in (
-        ("BaTiO3 e44", "e33"),
-        ("steal modulus", "did you mean 'steel modulus'"),
-        ("steel e33", "unknown"),
-    ):
-        with pytest.raises(InputError, match=hint):
-            uncertainty.uncertain(film, {name: None})
