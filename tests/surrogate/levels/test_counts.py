@@ -59,18 +59,6 @@ def test_kinked_outputs_are_named_and_nothing_is_claimed_for_them(pilot: xr.Data
         chosen(kinked, 1e-4, outputs=["kink", "worst"])
 
 
-def test_an_unreachable_tolerance_says_what_would_reach_it(pilot_decays: Decays) -> None:
-    needed = choose(pilot_decays, 1e-7, 10**7).counts
-    with pytest.raises(UnreachableError) as caught:
-        choose(pilot_decays, 1e-7, 20_000)
-    said = str(caught.value)
-    assert said.startswith(f"tolerance 1e-07 needs {prod(needed.values()):,} cases ({needed['mixture']} mixture x ")
-    offered = float(re.findall(r"the budget is 20,000; 20,000 cases reach about (\S+)", said)[0])
-    assert prod(choose(pilot_decays, offered * 1.05, 20_000).counts.values()) <= 20_000
-    with pytest.raises(UnreachableError):
-        choose(pilot_decays, offered * 0.8, 20_000)
-
-
 def test_noise_in_the_data_bounds_the_tolerance(pilot: xr.Dataset) -> None:
     noisy = pilot[["mixed"]].copy(deep=True)
     noisy["mixed"] *= 1 + 1e-6 * np.random.default_rng(0).normal(size=noisy["mixed"].shape)
@@ -167,6 +155,20 @@ def test_a_kink_is_told_from_a_near_pole_by_refinement() -> None:
     assert result.choice.kinked == {"kink": ("x",)}
     assert result.levels["x"] > result.levels["y"]
     assert int(result.choice.decay["kinked"].sum()) == 1
+
+
+def test_an_unreachable_tolerance_says_what_would_reach_it() -> None:
+    levels = {input_.name: input_.levels(17) for input_ in PLANE}
+    plane_decays = decays(plane(levels), PLANE, ["pole", "smooth"])
+    needed = choose(plane_decays, 1e-9, 10_000).counts
+    with pytest.raises(UnreachableError) as caught:
+        choose(plane_decays, 1e-9, 60)
+    said = str(caught.value)
+    assert said.startswith(f"tolerance 1e-09 needs {prod(needed.values()):,} cases ({needed['x']} x x {needed['y']} y)")
+    offered = float(re.findall(r"the budget is 60; 60 cases reach about (\S+)", said)[0])
+    assert prod(choose(plane_decays, offered * 1.05, 60).counts.values()) <= 60
+    with pytest.raises(UnreachableError):
+        choose(plane_decays, offered * 0.8, 60)
 
 
 def test_given_counts_are_kept_and_blamed_when_too_few() -> None:
