@@ -79,6 +79,7 @@ COMMANDS = [
     ("solve cases.csv -o x.xlsx", "must end in .nc"),
     (f"{INSIDE} -o x.xlsx", "must end in .nc"),
     ("interior cases.csv --x=0 --y=-1", "-o/--output"),
+    ("solve cases.csv -o out.csv --positions 0", "out.csv: fields over position go to netCDF"),
     ("solve cases.csv -o link.nc", "link.nc: is an input of this command, so it is not replaced"),
     ("query surrogate.nc points.csv -o points.csv", "points.csv: is an input of this command, so it is not replaced"),
     ("query surrogate.nc points.csv -o surrogate.nc", "'surrogate.nc': must end in .csv"),
