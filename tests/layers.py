@@ -20,13 +20,13 @@ FIXTURES = {"copy", "tiny", *RUNS}
 #: Files and folders of `tests/` that are slow; the mark ``slow`` names single tests of other files.
 FILES = """
 faults/ slurm/ cloud/ storage/test_netcdf.py
-test_benchmarks.py test_docs.py test_examples.py test_machine.py test_numbers.py test_public_names.py test_recipes.py
+test_benchmarks.py test_docs.py test_examples.py test_machine.py test_numbers.py test_recipes.py
 test_tutorials.py
 solver/face/test_air.py solver/face/test_films.py solver/face/test_own_base.py solver/face/test_scans.py
 solver/face/test_surface.py
 solver/gap/ solver/halfplane/test_interior.py solver/halfplane/test_precise.py solver/heat/ solver/line/ solver/point/
 solver/surface/ solver/test_contract.py solver/test_curves.py
-surrogate/face/test_persistence.py surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/
+surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/
 surrogate/test_contract.py surrogate/transforms/curves/ surrogate/use/
 verification/
 workflow/calculator/test_calculated.py workflow/cli/test_learn.py workflow/dataset/ workflow/design/

@@ -1,29 +1,9 @@
 """The benchmarks compare what they say, and their page holds it; times are for `make bench`."""
 
-import json
-from pathlib import Path
-
-import numpy as np
 import pytest
 
-import benchmarks.__main__ as runner
 from benchmarks import rivals, scattered, surrogates
 from surrogate.gp import scattergp
-
-
-def smooth(t: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    return np.stack([np.exp(0.3 * t[:, 0]) * t[:, 1], np.cos(t.sum(axis=1))], axis=1)
-
-
-@pytest.mark.filterwarnings("ignore::sklearn.exceptions.ConvergenceWarning")
-@pytest.mark.parametrize("rival", rivals.RIVALS[:3], ids=lambda rival: rival.name)
-def test_rivals_learn_a_smooth_function(rival: rivals.Rival) -> None:
-    random = np.random.default_rng(0)
-    t, points = random.uniform(-1, 1, (120, 3)), random.uniform(-0.9, 0.9, (40, 3))
-    y = smooth(t)
-    mean, std = rival.fit(t, y)(points, True)
-    assert np.abs(mean - smooth(points)).max() < 0.15
-    assert (std is not None) == ("GP" in rival.name)
 
 
 def test_the_comparison_measures_errors_on_the_exact_solution(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -61,16 +41,3 @@ def test_the_comparison_on_scattered_cases_is_with_the_truth_and_tells_who_is_mi
     assert 1e-4 < by_measure["root-mean-square error over range"] < 0.007
     assert 0.92 < by_measure["coverage"] < 0.98
     assert "left out, as not installed here: another" in capsys.readouterr().out
-
-
-def test_the_runner_writes_whole_files_and_refuses_unknown_names(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert {"exact", "surrogates"} <= set(runner.MEASUREMENTS)
-    monkeypatch.setattr(runner, "FOLDER", tmp_path)
-    assert runner.main(["exakt"]) == 2
-    assert "'exakt' is none of" in capsys.readouterr().err
-    monkeypatch.setattr("benchmarks.exact.measure", lambda: {"alone": 0.5})
-    assert runner.main(["exact"]) == 0
-    assert capsys.readouterr().out.splitlines()[1].split() == ["alone", "0.5"]
-    assert json.loads((tmp_path / "benchmarks.json").read_text(encoding="utf-8"))["exact"] == {"alone": 0.5}

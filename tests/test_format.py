@@ -15,7 +15,7 @@ import surrogate
 from storage.sealed import SEAL, seal
 from surrogate.face.model import GaussianProcess
 from tests import programs
-from tests.surrogate.grouped import GROUPING, cases, factorial
+from tests.surrogate import grouped
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -45,9 +45,7 @@ def root() -> GaussianProcess:
 def files(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A calibrated grid, one over groups, and the page's example."""
     folder = tmp_path_factory.mktemp("format")
-    held = cases(300, 1, 0.2, to_ends=600)
-    grouped = surrogate.GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(held)
-    surrogate.save(grouped, folder / "grouped.nc")
+    surrogate.save(grouped.calibrated(), folder / "grouped.nc")
     surrogate.save(root(), folder / "root.nc")
     grid = quickstart_run.folder / "results/quickstart/surrogate.nc"
     return {"grid": grid, "grouped": folder / "grouped.nc", "root": folder / "root.nc"}

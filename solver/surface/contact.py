@@ -242,7 +242,8 @@ class _Problem:
                     results["stroke"] = float(tangent[0, 1] / tangent[0, 0])
             if not self._reaches_end(grid, state):
                 results["pressure"] = float(np.max(solved["main"].state.pressure)) / system.compliance
-            estimated = _errors(before, results, float(grounded.loads[0] * system.per_volt))
+            applied = 0.0 if by_load else self.loading.charge or 0.0  # by load, the voltage is that without charge
+            estimated = _errors(before, results, float(grounded.loads[0] * system.per_volt), applied)
             errors = {name: max(size, errors.get(name, 0.0) / _FALL) for name, size in estimated.items()}
             before = results
             is_fine = count >= least and (count >= _REFINED or (errors and max(errors.values()) <= error))
@@ -478,11 +479,12 @@ def _on(grid: Grid, values: Field) -> Field:
     return part
 
 
-def _errors(coarse: dict[str, float], fine: dict[str, float], coupled: float) -> dict[str, float]:
+def _errors(coarse: dict[str, float], fine: dict[str, float], coupled: float, applied: float) -> dict[str, float]:
     """Relative errors on the finer of two grids, from their differences; ``coupled``: charge of a coupled body [C].
 
     Where the charge at zero voltage is below a least one, as near a cut without charge, those of charge, stroke and
-    voltage are relative to the least one.
+    voltage are relative to the least one. Where the ``applied`` charge [C] nearly grounds the punch, that of voltage is
+    relative to the voltage without charge.
     """
     tiny, charge = np.finfo(float).tiny, abs(fine.get("charge", np.inf))
     errors = {}
@@ -490,4 +492,6 @@ def _errors(coarse: dict[str, float], fine: dict[str, float], coupled: float) ->
         size = float(abs(fine[name] - coarse[name]) / _SHARE_LEFT[name] / max(abs(fine[name]), tiny))
         share = charge / (_LEAST_COUPLED[name] * coupled) if name in _LEAST_COUPLED else 1.0
         errors[name] = size * min(share, 1.0)
+    if applied and "charge" in fine and "voltage" in errors:
+        errors["voltage"] *= min(abs(applied / fine["charge"] - 1), 1.0)
     return errors

@@ -210,19 +210,6 @@ def test_a_file_of_more_than_plain_numbers_and_texts_is_refused(name: str, place
     assert peak() <= max(BYTES, most)
 
 
-@spoiling(4, 1000)
-@given(name=st.sampled_from(sorted(hostilefiles.ATTACKS)), seed=st.integers(0, 2**64))
-def test_bytes_of_attacks(name: str, seed: int, place: Path) -> None:
-    dice = random.Random(seed)
-    hostilefiles.write(name, place / "spoilt.nc")
-    content = bytearray((place / "spoilt.nc").read_bytes()[: -SEAL.size])
-    for _ in range(dice.randint(1, 3)):
-        content[dice.randrange(min(len(content), 3000))] = dice.randrange(256)
-    (place / "spoilt.nc").write_bytes(content)
-    seal(place / "spoilt.nc")
-    assert run(place, "query", "spoilt.nc", "points.csv", "-o", "out.csv") == 2
-
-
 @pytest.fixture(params=["forked", "started"])
 def child(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """Either way to a process of its own."""

@@ -67,12 +67,3 @@ def assert_alike(computed: xr.Dataset, expected: xr.Dataset, share: float, names
         first, two = computed[name].squeeze().values, expected[name].squeeze().values
         largest = float(np.nanmax(np.abs(two))) if two.size else 0.0
         np.testing.assert_allclose(first, two, rtol=0, atol=share * largest, err_msg=name)
-
-
-def assert_same(computed: xr.Dataset, expected: xr.Dataset, rtol: float = 1e-14) -> None:
-    """Two results of the solver, each variable to ``rtol`` of its largest value."""
-    assert set(computed.data_vars) == set(expected.data_vars)
-    for name in expected.data_vars:
-        first, two = xr.align(computed[name], expected[name], join="exact")
-        scale = float(np.max(np.abs(two))) if two.size else 0.0
-        np.testing.assert_allclose(first.values, two.values, rtol=rtol, atol=rtol * scale, err_msg=str(name))

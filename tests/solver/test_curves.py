@@ -51,9 +51,7 @@ def test_largest_values_at_the_points_are_next_to_the_peaks(case: dict[str, Any]
 
 
 def test_regions_are_those_of_the_case() -> None:
-    assert set(solver.solve_curves(HALF_PLANE)) == {"mean_pressure", "half_length", *described("body")}
     rigid = solver.solve_curves(FILM | {"base": "rigid"}, ["interface", "base"])
-    assert {"load_over_thickness", *described("interface")} <= set(rigid)
-    assert not set(described("base")) & set(rigid)
+    assert set(rigid) & {*described("interface"), *described("base")} == set(described("interface"))
     with pytest.raises(solver.FactorError, match="regions: 'lid' is not one of body, interface, film, base"):
         solver.solve_curves(HALF_PLANE, ["lid"])

@@ -1,10 +1,12 @@
 """A world of five inputs that three groups tell, its cases over these groups, and at random in the box."""
 
+from functools import cache
+
 import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array
-from surrogate import Group, Grouping, Input, Scaling
+from surrogate import Group, GroupedGP, Grouping, Input, Scaling
 from surrogate.transforms.groups import span
 
 INPUTS = (
@@ -71,6 +73,12 @@ def cases(count: int, seed: int, rough: float = 0.0, to_ends: int = 0) -> xr.Dat
         unit = np.concatenate([unit, 2 * random.beta(0.3, 0.3, (len(INPUTS), to_ends)) - 1], axis=1)
         return _cases(unit, rough).assign(evenly_drawn=("case", even))
     return _cases(unit, rough)
+
+
+@cache
+def calibrated() -> GroupedGP:
+    """Model with logarithms, an added logarithm, a logit axis, a correction, and an outer guard."""
+    return GroupedGP(GROUPING).fit(factorial(0.2)).calibrate(cases(300, 11, 0.2, to_ends=300))
 
 
 def _cases(unit: Array, rough: float) -> xr.Dataset:

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import pytest
 from mpmath import log, matrix, mp, mpf, pi
 
-from verification.oracles import precise
 from verification.oracles.contact import Contact, Sliding
 from verification.oracles.half_plane import WORK_DIGITS, HalfPlane, half_plane
 from verification.oracles.quadrature import integral
@@ -51,8 +50,3 @@ def test_tractions_satisfy_the_integral_equations_and_the_balances(
         for i in held:
             size = max(abs(N[i, j] * numeric[j]) for j in range(3)) + abs(x / surface.radius)
             assert abs(answer[i] - (x / surface.radius if i == 0 else 0)) < tolerance * size
-
-
-def test_charges_need_a_conductor() -> None:
-    with pytest.raises(ValueError, match="insulating punch carries no charge"):
-        precise.solve(SIH_SONG, radius=0.05, load=1e5, charge=1e-6, electric="insulating")

@@ -24,9 +24,8 @@ from verification import (
 )
 from verification.cases import SIH_SONG, constants
 from verification.findings import check
-from verification.oracles.fem_film import FilmContact, Layer, Punch
+from verification.oracles.fem_film import Layer
 from verification.oracles.fem_point import PointContact
-from verification.oracles.spectral import ELECTRIC
 from verification.oracles.surface_response import surface_response
 from workflow.run.provenance import ROOT
 from workflow.study.sections import CHECK_GROUPS
@@ -78,23 +77,6 @@ def test_finite_elements_of_points_converge_and_a_wrong_answer_is_red(monkeypatc
     assert points.elements("rigid", 6) > 1e-3
 
 
-@pytest.mark.soak
-def test_finite_elements_of_films_converge() -> None:
-    assert {curve.figure for curve in findings("film_elements", False).curves} == {"film_elements"}
-    case = film_elements.CASES["composite on a rigid base, charged"]
-    coarse, fine = (film_elements.Compared(case, solver.solve(case), order) for order in (4, 6))
-    for what in ("load", "edges", "interface"):
-        assert fine.error(what) < coarse.error(what) / 4, what
-
-
-def test_a_contact_in_air_is_not_one_without() -> None:
-    """The elements have air: against the solver's contact without any, the voltage misses by a third."""
-    case = film_elements.SLIDING
-    bare = float(solver.solve(case | {"surroundings": "insulated"})["voltage"])
-    elements = film_elements.Compared(case, solver.solve(case), 4).contact
-    assert abs(elements.potential(ELECTRIC) / bare - 1) > 0.2
-
-
 def test_collocation_of_the_circle_converges_geometrically_to_the_closed_form() -> None:
     curves = {curve.figure: curve for curve in findings("integral_equations", False).curves}
     curve = curves["collocation_circle"]
@@ -136,15 +118,3 @@ def test_elements_of_order_two_are_as_good_as_the_page_on_other_codes_says() -> 
     page = " ".join((ROOT / "docs/others.md").read_text(encoding="utf-8").split())
     assert f"reach 1e-3 with {4 * len(idle.body.places):,} unknowns of order 2" in page
     assert "142.205125 pC/N" in page
-
-
-@pytest.mark.soak
-def test_air_has_the_figures_of_boundary_elements() -> None:
-    """Fibrous 0.8, 0.3 mm on a rigid grounded base, R = 100 mm, 5 kN/m: charge per force 74.4 -> 85.9 pC/N."""
-    mix = constants(solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.8))
-    rate = {}
-    for charge in (0.0, 4e-7):
-        contact = FilmContact([Layer(mix, 3e-4)], None, Punch(0.1, charge=charge), 6.48e-5, 6, permittivity=1.0)
-        rate[charge] = contact.potential(ELECTRIC) / contact.load, charge / contact.load
-    (idle, none), (charged, charged_rate) = rate.values()
-    assert none - idle * (charged_rate - none) / (charged - idle) == pytest.approx(85.9e-12, rel=5e-3)

@@ -1,18 +1,13 @@
 """The pipeline as real processes: what it makes, when it runs again, and that equal inputs give equal bytes."""
 
-import ast
 import hashlib
 import json
 import re
 import shutil
-import sys
-from importlib.metadata import packages_distributions
-from pathlib import Path
 
 import netCDF4
 import numpy as np
 import pytest
-import snakemake
 
 import surrogate
 from solver import solve
@@ -34,13 +29,12 @@ def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
             assert file.license == "MIT", path
             for name, variable in file.variables.items():
                 assert "_FillValue" not in variable.ncattrs(), (path, name)
-                assert variable.units, (path, name)
                 assert variable.long_name, (path, name)
                 # what UDUNITS reads as meant: names with whole exponents
-                units = getattr(variable, "units", "1")
-                assert re.fullmatch(r"1|[A-Za-z]+(-?[2-9]|-1)?( [A-Za-z]+(-?[2-9]|-1)?)*", units), (path, name, units)
-                assert not variable.filters()["blosc"], (path, name)
-                assert not variable.filters()["zstd"], (path, name)
+                pattern = r"1|[A-Za-z]+(-?[2-9]|-1)?( [A-Za-z]+(-?[2-9]|-1)?)*"
+                assert re.fullmatch(pattern, variable.units), (path, name)
+                filters = variable.filters()
+                assert [filters["blosc"], filters["zstd"]] == [False, False], (path, name)
     for name in ("quantities.nc", "fields/slab_1.nc", "cases/validation.nc"):
         attrs = read_whole(ran.folder / "results/small" / name, names=[]).attrs
         assert (attrs["composite"], attrs["phases"]) == ("fibrous", "BaTiO3, CoFe2O4")
@@ -99,7 +93,9 @@ def test_a_design_is_solved_again_exactly(ran: Project) -> None:
 
 def test_the_provenance_of_the_run_has_every_file_with_its_hash(ran: Project) -> None:
     results = ran.folder / "results/small"
-    digests = json.loads((results / "provenance.json").read_text(encoding="utf-8"))["results_sha256"]
+    content = json.loads((results / "provenance.json").read_text(encoding="utf-8"))
+    assert content["versions"]["numpy"] == np.__version__
+    digests = content["results_sha256"]
     assert {"quantities.nc", "design.nc", "surrogate.nc"} <= digests.keys()
     for name, digest in digests.items():
         assert digest in {hashlib.sha256(file.read_bytes()).hexdigest() for file in results.rglob(name)}
@@ -159,21 +155,8 @@ def test_snakemake_report_shows_the_figures_with_captions(ran: Project) -> None:
     page = (ran.folder / "snakemake-report.html").read_text(encoding="utf-8")
     for word in ("its place among all designs", "Exact surface fields while one factor varies", "residuals"):
         assert word in page
-
-
-def test_the_run_environment_holds_what_snakemakes_report_imports() -> None:
-    sources = (Path(snakemake.__file__).parent / "report").rglob("*.py")
-    nodes = [node for file in sources for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))]
-    names = {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
-    names |= {str(node.module) for node in nodes if isinstance(node, ast.ImportFrom) and node.level == 0}
-    needed = {name.partition(".")[0] for name in names} - sys.stdlib_module_names
-    assert needed >= {"pygments", "jinja2"}
-    known = packages_distributions()
-    for file in ("run", "slurm"):
-        text = (ROOT / f"requirements/{file}.txt").read_text(encoding="utf-8")
-        pinned = set(re.findall(r"^([a-z0-9._-]+)==", text, re.MULTILINE))
-        for name in needed:
-            assert {package.lower() for package in known[name]} & pinned, f"{file}.txt: {name}"
+    for file in ("run", "slurm"):  # Snakemake's report imports a package on which Snakemake does not depend
+        assert "\npygments==" in (ROOT / f"requirements/{file}.txt").read_text(encoding="utf-8")
 
 
 def test_as_a_module_with_a_prefix_it_sweeps_and_tells_times(copy: Copy) -> None:
@@ -191,9 +174,7 @@ def test_as_a_module_with_a_prefix_it_sweeps_and_tells_times(copy: Copy) -> None
     assert not (results / ".left.partial").exists()
 
 
-def test_rulegraph_and_lint(ran: Project) -> None:
-    graph = ran.snakemake("--rulegraph", "--", REPORT).stdout
-    assert all(f'label = "{rule}"' in graph for rule in ("slab", "quantities", "surrogate", "validation", "report"))
+def test_snakemake_s_lint_finds_one_thing(ran: Project) -> None:
     # the pinned virtual environment is the software of every rule: the one finding that is meant to stay
     findings = re.findall(r"^ +\* (.*):$", ran.run("snakemake", "--lint", check=False).stderr, re.MULTILINE)
     assert set(findings) == {"Specify a conda environment or container for each rule."}

@@ -43,32 +43,18 @@ def grouped(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def broken(grouped: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """One of its files with a unit that is none, and a range of another type than the numbers."""
-    folder = tmp_path_factory.mktemp("broken")
-    with netCDF4.Dataset(shutil.copy(grouped / "fields/slab_0.nc", folder), "a") as file:
+def test_referees_find_no_fault_and_the_faults_of_a_broken_file(ran: Project, grouped: Path, tmp_path: Path) -> None:
+    with netCDF4.Dataset(shutil.copy(grouped / "fields/slab_0.nc", tmp_path), "a") as file:
         file["voltage"].setncattr("units", "volts or so")
-        file["contact_pressure"].setncattr("actual_range", [0.0, 1.0])
-    return folder
-
-
-@pytest.fixture(scope="module")
-def said(ran: Project, grouped: Path, broken: Path) -> list[str]:
-    """Return the lines of the referees on the three folders."""
-    command = [str(PYTHON), str(ROOT / "tests/referees.py"), str(ran.folder / SMALL), str(grouped), str(broken)]
+        file["contact_pressure"].setncattr("actual_range", [0.0, 1.0])  # of another type than the numbers
+    folders = [ran.folder / SMALL, grouped, tmp_path]
+    command = [PYTHON, ROOT / "tests/referees.py", *folders]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 1, done.stderr  # of the last
-    return [line for line in done.stdout.splitlines() if "not installed" not in line]
-
-
-def test_no_referee_finds_a_fault(said: list[str], ran: Project, grouped: Path) -> None:
-    names = ("conventions", "foreign")
-    expected = [f"{folder}: {name}: no faults" for folder in (ran.folder / SMALL, grouped) for name in names]
-    assert said[: said.index(expected[-1]) + 1] == expected
-
-
-def test_the_referees_do_find_faults(said: list[str], broken: Path) -> None:
-    faults = "\n".join(said[said.index(f"{broken}: conventions: 3 faults") :])
+    assert done.returncode == 1, done.stderr
+    lines = [line for line in done.stdout.splitlines() if "not installed" not in line]
+    sound = [f"{folder}: {name}: no faults" for folder in folders[:2] for name in ("conventions", "foreign")]
+    assert lines[: len(sound)] == sound
+    assert f"{tmp_path}: conventions: 3 faults" in lines
+    faults = "\n".join(lines[len(sound) :])
     assert 'units for voltage, "volts or so" are not recognized by UDUNITS' in faults
     assert "Attribute 'actual_range' (type: <class 'numpy.float64'>) and parent variable 'contact_pressure'" in faults

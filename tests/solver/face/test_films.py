@@ -86,10 +86,6 @@ def test_peaks_of_film_and_interface() -> None:
     part = solver.solve(FILM, peaks=["interface_tension", "peak_von_mises"])  # a half-plane's: no film has it
     assert set(part.data_vars) & set(ALL_PEAKS) == {"interface_tension"}
     assert float(part["interface_tension"]) == float(out["interface_tension"])
-    half = solver.solve({"material": "BaTiO3", "radius": 0.05, "load": 1e4}, peaks=["peak_von_mises_depth"])
-    assert set(half.data_vars) & set(ALL_PEAKS) == {"peak_von_mises_depth"}
-    with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown; known are peak_von_mises"):
-        solver.solve(FILM, peaks=["shear"])
 
 
 BARE: dict[str, Any] = {"radius": 0.05, "friction": 0.3, "load": 1e5, "surroundings": "insulated"}
@@ -122,15 +118,3 @@ def test_a_stack_of_one_layer_is_a_film_and_a_layer_cut_in_two_is_one() -> None:
     assert_alike(peaks, film, 1e-6, PEAKS)
     inside, alone = (solver.solve_interior(BARE | {"body": body}, [0.3], [-0.5, -0.95, -2.0]) for body in (cut, whole))
     assert_alike(inside, alone, 1e-8)
-
-
-def test_an_electrode_between_layers_shields_and_counts_as_the_ground() -> None:
-    """Below a grounded electrode a dielectric has no part in the voltage but by its stiffness."""
-    upper = solver.Layer(BTO, 0.2e-3, electric="grounded")
-    computed = solver.solve(BARE | {"body": solver.Stack([upper, solver.Layer(STEEL, 0.3e-3)], base=STEEL)})
-    assert_alike(
-        computed,
-        solver.solve(PLAIN),
-        1e-9,
-        ["contact_trailing", "voltage", "capacitance_per_length", "nominal_field", "depth"],
-    )

@@ -15,7 +15,7 @@ import solver
 from solver.face import cases
 from solver.fields import FIELDS, INTERIOR, INTERIOR_ON_REQUEST
 from solver.names import EVERY_QUANTITY
-from tests.solver.cases import assert_same
+from tests.solver.cases import assert_alike
 
 POSITIONS = (-2.0, -0.5, 0.9, 1.001)
 #: Friction, both charges: nothing that depends on the datum does so by chance alone.
@@ -25,26 +25,21 @@ CASE_OF_DATUM: dict[str, Any] = {
 ONE = {"material": "BaTiO3", "radius": 0.05, "load": 1e5}
 
 
-def test_phases_may_be_named_or_materials() -> None:
+def test_materials_and_phases_may_be_named_or_objects() -> None:
     mine = solver.find("PZT-4").renamed("mine")
     factors = {"composite": "laminate", "volume_fraction": [0.2, 0.6], "radius": 0.05, "load": 1e5, "friction": 0.2}
     by_name = solver.solve(factors, POSITIONS, phases=("PZT-4", "steel"))
     by_material = solver.solve(factors, POSITIONS, phases=(mine, solver.find("steel")))
-    assert_same(by_name, by_material, rtol=0)
-    assert_same(by_name, solver.solve(factors, POSITIONS, phases=("own", "steel"), materials={"own": mine}), rtol=0)
+    assert_alike(by_name, by_material, 0.0)
+    assert_alike(by_name, solver.solve(factors, POSITIONS, phases=("own", "steel"), materials={"own": mine}), 0.0)
     assert by_material.attrs["phases"] == "mine, steel"
-
-
-def test_own_materials_by_object_and_by_name() -> None:
-    mine = solver.Material.isotropic(70e9, 0.3, name="aluminium")
     by_object = solver.solve({**ONE, "material": mine}, POSITIONS)
-    by_name = solver.solve({**ONE, "material": "light"}, POSITIONS, materials={"light": mine})
+    named = solver.solve({**ONE, "material": "light"}, POSITIONS, materials={"light": mine})
     pair = solver.solve({**ONE, "material": ["steel", mine]}, POSITIONS)
-    assert by_object.coords["material"].item() == "aluminium"
-    assert by_name.coords["material"].item() == "light"
-    assert list(pair.coords["material"].values) == ["steel", "aluminium"]
-    assert_same(by_object, by_name, rtol=0)
-    assert_same(pair.isel(material=1), by_object)
+    assert [by_object.coords["material"].item(), named.coords["material"].item()] == ["mine", "light"]
+    assert list(pair.coords["material"].values) == ["steel", "mine"]
+    assert_alike(by_object, named, 0.0)
+    assert_alike(pair.isel(material=1), by_object, 1e-14)
 
 
 def test_what_is_marked_as_hanging_on_the_datum_is_what_changes_with_it() -> None:
@@ -61,18 +56,13 @@ def test_what_is_marked_as_hanging_on_the_datum_is_what_changes_with_it() -> Non
         assert set(out.data_vars) == set(known)
 
 
-@pytest.mark.parametrize(
-    ("datum", "expected"),
-    [({}, "1 m, the default"), ({"datum": 0.25}, "0.25 m"), ({"datum": [0.1, 1.0]}, "that of the coordinate datum")],
-)
-def test_what_hangs_on_the_datum_says_which_one_it_has(datum: dict[str, Any], expected: str) -> None:
-    case = CASE_OF_DATUM | datum
-    voltage = solver.solve(case)["voltage"]
-    assert voltage.attrs["comment"].endswith(f"datum: {expected}")
-    inside = solver.solve_interior(case, [0.0], [-1.0], fields=["electric_potential", "stress_xx"])
+def test_what_hangs_on_the_datum_says_which_one_it_has() -> None:
+    for datum, said in (({}, "1 m, the default"), ({"datum": [0.1, 1.0]}, "that of the coordinate datum")):
+        voltage = solver.solve(CASE_OF_DATUM | datum)["voltage"]
+        assert voltage.attrs["comment"].endswith(f"datum: {said}")
+    inside = solver.solve_interior(CASE_OF_DATUM | datum, [0.0], [-1.0], fields=["electric_potential", "stress_xx"])
     assert inside["electric_potential"].attrs["comment"] == voltage.attrs["comment"]
     assert "comment" not in inside["stress_xx"].attrs
-    assert "just inside" in solver.solve(case)["trailing_tension"].attrs["comment"]
 
 
 TABLE = pd.DataFrame(
@@ -93,17 +83,12 @@ def test_every_row_of_a_table_is_a_case(table: Any) -> None:
 @pytest.mark.parametrize(
     "varying",
     [
-        {"material": ["PZT-4", "BaTiO3", "PZT-5H", "PZT-4"], "radius": [0.04, 0.05, 0.06, 0.07]},
         {"volume_fraction": [0.2, 0.9, 0.2, 0.5], "composite": ["fibrous", "laminate"], "radius": [0.05]},
-        {
-            "material": ["PZT-4"],
-            "electric": ["conducting", "insulating"],
-            "speed": [0.0, 900.0, 900.0],
-            "radius": [0.05],
-        },
+        {"material": ["PZT-4", "BaTiO3"], "electric": ["conducting", "insulating"], "speed": [0.0, 900.0, 900.0],
+         "radius": [0.05]},
         {"material": ["PZT-4", "BaTiO3"], "profile": ["sphere"], "radius": [4e-3, 5e-3, 6e-3, 7e-3]},
     ],
-)
+)  # fmt: skip
 def test_blocks_of_a_table_do_not_show(monkeypatch: pytest.MonkeyPatch, varying: dict[str, list[Any]]) -> None:
     """Rows of one material are solved together, in blocks; each is as alone, to rounding."""
     force, friction = ("force", {}) if "profile" in varying else ("load", {"friction": np.linspace(0.1, 0.4, 24)})
@@ -143,9 +128,8 @@ def test_series_with_one_index_are_columns_of_a_table() -> None:
     rows = solver.solve({"material": "PZT-4", "friction": [0.0, 0.1]} | columns)
     assert dict(rows["voltage"].sizes) == {"friction": 2, "case": 3}
     assert list(rows["case"].values) == ["a", "b", "c"]
-    for place, (_, row) in enumerate(TABLE[["radius", "load"]].iterrows()):
-        alone = solver.solve({"material": "PZT-4"} | dict(row))
-        assert float(rows["voltage"][0, place]) == pytest.approx(float(alone["voltage"]), rel=1e-12)
+    alone = solver.solve({"material": "PZT-4"} | {name: TABLE[name].iloc[1] for name in columns})
+    assert float(rows["voltage"][0, 1]) == pytest.approx(float(alone["voltage"]), rel=1e-12)
     with pytest.raises(solver.FactorError, match=r"^load: its rows are not those of radius: Series are columns"):
         solver.solve(columns | {"material": "PZT-4", "load": TABLE["load"].iloc[::-1]})
 
@@ -178,12 +162,10 @@ def test_rows_of_several_kinds_are_solved_kind_by_kind(table: Any) -> None:
         for place, answer in enumerate(alone):
             expected = answer[name].squeeze() if name in answer else np.nan
             assert_allclose(rows[name][place], expected, rtol=1e-11, err_msg=str(name))
-    assert np.isnan(rows["force"][0])
-    assert rows["force"][1] == 1.0
+    np.testing.assert_array_equal(rows["force"][:2], [np.nan, 1.0])
     assert rows["profile"].values.tolist()[:2] == ["", "sphere"]
     inside = solver.solve_interior(table, [0.0], [-1.0])["stress_yy"]
     assert inside.sizes == {"case": len(table), "y": 1, "x": 1}
-    assert np.isfinite(inside.values).all()
     with pytest.raises(solver.FactorError, match=r"^friction: nan is not .* \(row c\)$"):  # no kind: a hole
         solver.solve(pd.DataFrame([CASE, BALL, CASE], index=list("abc")).assign(friction=[0.1, 0.2, np.nan]))
 
@@ -219,17 +201,12 @@ def test_what_is_no_table_of_cases_is_refused(table: Any, word: str) -> None:
         solver.solve(table)
 
 
-def test_masked_names_positions_and_constants_are_refused() -> None:
+def test_masked_names_and_positions_are_refused() -> None:
     hidden = np.ma.array([0.5, 2.0], mask=[False, True])
-    constants = {name: getattr(solver.find("PZT-4"), name) for name in ("c11", "c13", "c33", "c44")}
     with pytest.raises(solver.FactorError, match="material: 'n"):
         solver.solve(CASE | {"material": np.ma.array(["PZT-4", "BaTiO3"], mask=[False, True])})
     with pytest.raises(solver.FactorError, match="positions: nan"):
         solver.solve(CASE, hidden)
-    with pytest.raises(solver.FactorError, match="x: not a list"):
-        solver.solve_interior(CASE, hidden, [-0.5])
-    with pytest.raises(solver.MaterialError, match="c33: not a finite number"):
-        solver.solve(CASE | {"material": solver.Material(**constants | {"c33": np.ma.array(1e11, mask=True)})})
     with pytest.raises(solver.MaterialError, match="nan is not within"):
         solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), hidden)
 
@@ -247,35 +224,17 @@ def test_a_text_with_a_unit_is_its_number() -> None:
     assert solver.solve(texts | {"radius": named})["radius"].values.tolist() == [5e-3, 2e-2]
 
 
-COMMON = "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
-CONDUCTING = "electric = conducting, magnetic = conducting, surroundings = insulated"
-
-
-@pytest.mark.parametrize(
-    ("factors", "said"),
-    [
-        (
-            {"volume_fraction": [0.3, 0.5], "radius": 0.05},
-            {"composite": "fibrous", "phases": "BaTiO3, CoFe2O4",
-             "defaults": f"friction = 0, {COMMON}, composite = fibrous, profile = cylinder, {CONDUCTING}"},
-        ),
-        (
-            {"volume_fraction": 0.3, "composite": ["laminate", "fibrous"], "radius": 0.05, "profile": "half_cylinder"},
-            {"composite": "laminate, fibrous", "phases": "BaTiO3, CoFe2O4",
-             "defaults": f"friction = 0, {COMMON}, corner = leading, {CONDUCTING}"},
-        ),
-        (
-            {"material": "PZT-4", "width": 0.1, "profile": "flat", "friction": 0.2, "datum": 2.0, "speed": 0.0},
-            {"defaults": f"charge = 0 C m-1, magnetic_charge = 0 Wb m-1, slope = 0, {CONDUCTING}"},
-        ),
-    ],
-)  # fmt: skip
-def test_a_solution_says_what_no_factor_says(factors: dict[str, object], said: dict[str, str]) -> None:
-    for out in (solver.solve({**factors, "load": 1e4}), solver.solve_interior({**factors, "load": 1e4}, [0], [-1])):
+def test_a_solution_says_what_no_factor_says() -> None:
+    factors = {"volume_fraction": 0.3, "composite": ["laminate", "fibrous"], "radius": 0.05, "load": 1e4, "datum": 2.0}
+    for out in (solver.solve(factors), solver.solve_interior(factors, [0], [-1])):
         attrs = dict(out.attrs)
         assert attrs.pop("title").startswith("exact ")
         assert attrs.pop("source").startswith("meecontact: closed-form")
-        assert attrs == said
+        assert attrs == {
+            "composite": "laminate, fibrous", "phases": "BaTiO3, CoFe2O4",
+            "defaults": "friction = 0, charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, "
+            "profile = cylinder, electric = conducting, magnetic = conducting, surroundings = insulated",
+        }  # fmt: skip
 
 
 @pytest.mark.parametrize(

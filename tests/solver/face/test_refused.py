@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import solver
+from solver.body import airless
 from solver.stack.layers import Layer, Stack
 from tests.solver.cases import refused, without
 from tests.solver.line.films import BTO
@@ -41,8 +42,6 @@ REFUSED: dict[str, Case] = {
     # profiles of the half-plane
     "width: missing": PRESSED | {"profile": "flat"},
     "slope: missing": PRESSED | {"profile": "wedge"},
-    "slope: 0 is not a finite number > 0": PRESSED | {"profile": "wedge", "slope": 0.0},
-    "radius: missing": PRESSED | {"profile": "half_cylinder"},
     "radius: the profile flat has none": LINE | {"profile": "flat", "width": 1e-3},
     "corner: the profile cylinder has none": LINE | {"corner": "leading"},
     "moment: give either": PRESSED | {"profile": "flat", "width": 1e-3, "slope": 0.0, "moment": 1.0},
@@ -55,12 +54,9 @@ REFUSED: dict[str, Case] = {
     "base: 'stele' is unknown; did you mean 'steel'": FILM | {"base": "stele"},
     "base: '7.0' is no material; must be 'rigid' or": FILM | {"base": 7.0},
     "base: missing; must be 'rigid' or": without(FILM, "base"),
-    "base: 'rigid' without": without(FILM, "thickness"),
     "interface_electric: 'bonded' without a thickness": LINE | {"interface_electric": "bonded"},
-    "base_modulus: 1e+11 without a thickness": LINE | {"base_modulus": 1e11},
     "base_modulus: 1e+11 beside a base": FILM | {"base_modulus": 1e11, "base_poisson": 0.3},
     "base_poisson: missing; must be": FILM | {"base": "", "base_modulus": 1e11},
-    "base_poisson: 0.5 is not": FILM | {"base": "", "base_modulus": 1e9, "base_poisson": 0.5},
     "interface_electric: 'bonded' is not allowed": FILM | {"interface_electric": "bonded"},
     "interface_magnetic: 'insulated' is allowed": FILM | {"base": "steel", "interface_magnetic": "insulated"},
     "interface_magnetic: 'open' is not one of grounded": FILM | {"interface_magnetic": "open"},
@@ -81,15 +77,14 @@ REFUSED: dict[str, Case] = {
     "base_volume_fraction: 0.5 without a volume_fraction": FILM | {"base_volume_fraction": 0.5},
     "body: 'steel' is no solver.Stack": ON_STACK | {"body": "steel"},
     "material: beside a body": ON_STACK | {"material": "BaTiO3"},
-    "base: beside a body": ON_STACK | {"base": "steel"},
     # speeds
     "speed: 1 m/s of what is no half-plane without air": FILM | {"speed": 1.0},
     # what is beside the contact
     "surroundings: 'water' is not one of insulated, air": LINE | {"surroundings": "water"},
-    "surroundings: 'air' is not allowed: the punch conducts no field": LINE | AIR | {
+    "surroundings: 'air' is not allowed: its punch conducts no field": LINE | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
-    "surroundings: 'air' is not allowed: the punch has a corner": PRESSED | AIR | {"profile": "flat", "width": 1e-3},
+    "surroundings: 'air' is not allowed: no narrow gap with an end": PRESSED | AIR | {"profile": "flat", "width": 1e-3},
     "gap_permittivity: 0 is not a finite number > 0 and <= 1e+06 [1]": LINE | AIR | {"gap_permittivity": 0.0},
     "gap_permittivity: 2.2 without surroundings: air; only its gap has one": LINE | {"gap_permittivity": 2.2},
     "surroundings: the punch touches the surface beside the contact, at (x - c)/h = ": LINE | {
@@ -98,20 +93,18 @@ REFUSED: dict[str, Case] = {
     },
     "speed: 3000 m/s is not below the limiting speed 2903.13 m/s": LINE | {"material": "steel", "speed": [0.0, 3e3]},
     "speed: needs the density rho": LINE | {"material": solver.Material.isotropic(2e11, 0.3), "speed": 1.0},
-    "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
+    "surroundings: 'air' is not allowed: its punch conducts no fiel": BALL | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
-    "surroundings: 'air' is not allowed: a disc's face touches all over": without(BALL, "radius") | AIR | {
+    "surroundings: 'air' is not allowed: no narrow gap with an en": without(BALL, "radius") | AIR | {
         "profile": "disc", "width": 1e-3
     },
     "gap_radius: missing; must be a finite number > 0 [m]: a cone or a power beside air says nowhere":
         without(BALL, "radius") | AIR | {"profile": "cone", "slope": 0.1},
     "gap_radius: 0.1 beside a contact along a line; only a point's gap has one": LINE | AIR | {"gap_radius": 0.1},
-    "gap_radius: 0.1 without surroundings: air; only its gap has one": BALL | {"gap_radius": 0.1},
     # points
     "load: the profile sphere has none; give force [N]": BALL | {"load": 1e4},
     "charge: the profile sphere has none; give total_charge [C]": BALL | {"charge": 1e-9},
-    "datum: the profile sphere has none; only contacts along a line have it": BALL | {"datum": 0.1},
     "speed: the profile sphere has none; only contacts along a line have it": BALL | {"speed": 1.0},
     "force: 9.99989e-321 is too small for a number of full precision, 2.23e-308": BALL | {"force": 1e-320},
     "contact: wider than the resolved range, 0": ON_FILM | {"force": 1e12, "thickness": 1e-6},
@@ -124,7 +117,6 @@ REFUSED: dict[str, Case] = {
     # electrodes
     "collector: 3 is not one of the 2 electrodes of": BALL | BARE | READ | {"collector": 3},
     "patch_size: of the electrode on top; must be absent": PATCH | {"electrode": "top", "electric": "insulating"},
-    "collector: 1.5 is not a whole number >= 1 [1]": BALL | BARE | READ | {"collector": 1.5},
     "patch_pitch: 0.0009 is not more than patch_size: a patch would touch its neighbour": PATCH | {"patch_pitch": 9e-4},
     "patch_size: 1e+04 thicknesses of the top layer; the patch reaches farther ": PATCH | {"patch_size": 1.0},
     "collector: missing; patch_size needs it": ON_FILM | {"patch_size": 1e-3},
@@ -139,7 +131,6 @@ REFUSED: dict[str, Case] = {
     "scandium_fraction: the composite fibrous has none; AlScN has it": without(SCANDIUM, "composite") | {
         "scandium_fraction": 0.2
     },
-    "volume_fraction: the composite AlScN has none; fibrous or laminate has it": SCANDIUM | {"volume_fraction": 0.2},
     "scandium_fraction: 0.6 is not a finite number >= 0 and <=": SCANDIUM | {"scandium_fraction": 0.6},
     "material: give either a material or a composite's scandium_": LINE | {"scandium_fraction": 0.2},
     # units
@@ -150,21 +141,19 @@ REFUSED: dict[str, Case] = {
 
 @pytest.mark.parametrize("message", REFUSED)
 def test_it_is_refused(message: str) -> None:
-    peaks = message.startswith("contact: radius over thickness")
-    refused(without(REFUSED[message]), message, peaks=peaks)
+    case = without(REFUSED[message])
+    refused(case, message, peaks=message.startswith("contact: radius over thickness"))
+    if message.startswith(("surroundings: 'air'", "gap_radius: missing")):
+        assert airless(case)  # the rule by which studies fall back on insulated surroundings
 
 
 PUNCHES: dict[str, Case] = {
     "punch: 'stel' is unknown; did you mean 'steel'? known are rigid, steel, stainless": {"punch": "stel"},
-    "punch: 'PZT-4' is not isotropic and elastic alone; must be rigid, steel": {"punch": "PZT-4"},
     "punch: '3.0' is no punch; must be 'rigid' or a material's name": {"punch": 3.0},
     "punch_modulus: 2.1e+11 beside a punch; give either": {"punch": "steel", **STEEL},
-    "punch_poisson: 0.3 beside a punch; give either": {"punch": "rigid", "punch_poisson": 0.3},
     "punch_poisson: missing; must be a finite number > -1 and < 0.5 [1]": {"punch_modulus": 210e9},
-    "punch_modulus: missing; must be a finite number > 0 [Pa]": {"punch_poisson": 0.3},
     "punch_modulus: 0 is not a finite number > 0 [Pa]": STEEL | {"punch_modulus": 0.0},
     "punch_poisson: 0.5 is not a finite number > -1 and < 0.5 [1]": STEEL | {"punch_poisson": 0.5},
-    "punch_poisson: -1 is not a finite number > -1 and < 0.5 [1]": STEEL | {"punch_poisson": -1.0},
 }
 
 
@@ -184,7 +173,6 @@ TWO, THREE = xr.DataArray([1e4, 1e5], dims="case"), xr.DataArray([0.1, 0.2, 0.3]
 SINGLE: list[tuple[str, str, Case]] = [
     # names
     ("xyz: unknown factor", "known are", LINE | {"xyz": 0.3}),
-    ("profile: 'ball' is not one of", "did you mean 'sphere'?", LINE | {"profile": "ball"}),
     ("load: '2e4' is a text without a unit", "its unit [N m-1]", LINE | {"load": ["10 kN/m", "2e4"]}),
     ("material: ", "None", LINE | {"material": None}),
     *((f"{name}: '{word}' is not one of", "", MIXED | {name: word}) for name in CHOSEN for word in ("fibros", "")),
@@ -197,17 +185,9 @@ SINGLE: list[tuple[str, str, Case]] = [
     ("factors: ", "case", LINE | {"load": TWO.assign_coords(case=[0, 1]), "radius": TWO.assign_coords(case=[0, 2])}),
     ("", "position", LINE | {"load": xr.DataArray([1e4, 1e5, 1e6], dims="position")}),
     ("", "load", LINE | {"radius": xr.DataArray([0.1, 0.2], dims="load")}),
-    *(
-        ("volume_fraction: ", "0 and <= 1", MIXED | {"composite": name, "volume_fraction": value})
-        for name in ("fibrous", "laminate")
-        for value in (-0.01, 1.01)
-    ),
-    *(
-        (f"{name}: {value:g} is not", "finite", LINE | {name: value})
-        for name in OPTIONAL
-        for value in (np.nan, -np.inf)
-    ),
-    *((f"{name}: ", "is not", LINE | {name: value}) for name in OPTIONAL for value in ("half", "", {"a": 1})),
+    *(("volume_fraction: ", "0 and <= 1", MIXED | {"volume_fraction": value}) for value in (-0.01, 1.01)),
+    *((f"{name}: -inf is not", "finite", LINE | {name: -np.inf}) for name in OPTIONAL),
+    *((f"{name}: ", "is not", LINE | {name: "half"}) for name in OPTIONAL),
     # the limits of floating point
     *(("", "", LINE | {name: 1e-320}) for name in ("radius", "load", "datum")),
     *(("", "", LINE | {name: 1e300}) for name in ("friction", "charge", "magnetic_charge")),

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mpmath import cos, isnan, mp, mpf, pi, sin
+from mpmath import isnan, mp, mpf
 from scipy.optimize import brentq
 
 import solver
@@ -30,16 +30,16 @@ UP_TO_THE_EDGES = (-1e4, -3.17, -1 - 1e-7, -1 + 1e-7, -0.5, 0.0, 0.7, 1 - 1e-7, 
 AXIAL = [name for name, material in solver.materials().items() if material.axial]
 
 
-def check(factors: dict[str, Any], exact_constants: dict[str, Any], positions: tuple[float, ...]) -> None:
-    contact = {name: value for name, value in factors.items() if name in CHARGED}
-    exact = precise.solve(exact_constants, positions=positions, **contact)
-    assert_agrees(solver.solve(factors, positions), exact)
+def check(material: solver.Material, positions: tuple[float, ...], **change: float) -> None:
+    case = CHARGED | change
+    exact = precise.solve(constants(material), positions=positions, **case)
+    assert_agrees(solver.solve({"material": material, **case}, positions), exact)
 
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", AXIAL)
 def test_built_in_materials(name: str) -> None:
-    check({"material": name} | CHARGED, constants(solver.find(name)), POSITIONS)
+    check(solver.find(name), POSITIONS)
 
 
 @pytest.mark.parametrize(
@@ -62,30 +62,10 @@ def test_conduction(name: str, friction: float, conducted: tuple[int, ...]) -> N
 
 def test_fields_outside_the_very_edges() -> None:
     """Steel under steep friction has a small pressure exponent: rounding of 1/X would show in sigma_xx."""
-    positions = (-1 - 1e-9, 1 + 1e-8, 1 + 1e-12)
-    check({"material": "steel", **CHARGED, "friction": 10.0}, constants(solver.find("steel")), positions)
+    check(solver.find("steel"), (-1 - 1e-9, 1 + 1e-8, 1 + 1e-12), friction=10.0)
 
 
 CASE = {"radius": 0.05, "load": 1e5, "friction": 0.3}
-
-
-def orthotropic(c11: float, c33: float, c13: float, c44: float) -> tuple[solver.Material, float, float]:
-    """An elastic material with N11 and k1 in closed form (Ting, Anisotropic Elasticity, 1996, section 6.9)."""
-    mean = np.sqrt(c11 * c33)
-    S21 = np.sqrt(c44 * (mean - c13) / (c33 * (c13 + 2 * c44 + mean)))
-    constants = {"c11": f"{c11!r} Pa", "c13": f"{float(c13)!r} Pa", "c33": f"{c33!r} Pa", "c44": f"{c44!r} Pa"}
-    material = solver.Material.from_mapping({"name": "orthotropic", **constants})
-    return material, 1 / (np.sqrt(c33 / c11) * (mean + c13) * S21), -1 / (mean + c13)
-
-
-@pytest.mark.sampled(6)
-@pytest.mark.parametrize("c44", [2.0, 2e2, 2e5, 2e8, 2e11, 2e20])
-@pytest.mark.parametrize("c33", [2e2, 2e11, 2e20])
-def test_the_estimate_follows_the_error_of_strongly_anisotropic_materials(c33: float, c44: float) -> None:
-    material, lam, kap = orthotropic(2e11, c33, 0.3 * np.sqrt(2e11 * c33), c44)
-    half = HalfPlane(material)
-    error = max(abs(half.compliance[0, 0] / lam - 1), abs(half.friction_coupling[0] - kap) / lam)
-    assert error <= max(30 * rounding(half), 1e-11)
 
 
 @pytest.mark.sampled(2)
@@ -134,7 +114,6 @@ def test_limiting_speed_of_isotropic_solids_is_that_of_rayleigh_waves() -> None:
         assert float(transonic_speed(material)) == pytest.approx(shear, rel=1e-12)
 
 
-@pytest.mark.soak
 def test_at_the_limiting_speed_the_restricted_tensor_is_singular() -> None:
     def stiffness(speed: mpf) -> mpf:
         N = half_plane(constants(solver.find(SIH_SONG)), float(speed)).normal_compliance
@@ -146,37 +125,8 @@ def test_at_the_limiting_speed_the_restricted_tensor_is_singular() -> None:
     assert abs(below) < 1e-6 * at_rest
 
 
-@pytest.mark.soak
-def test_at_the_transonic_speed_a_root_becomes_real() -> None:
-    name = "PZT-5H"
-    speed = float(transonic_speed(solver.find(name)))
-    half = half_plane(constants(solver.find(name)))
-    inertia = mpf(constants(solver.find(name))["rho"]) * mpf(speed) ** 2
-    units = mp.diag([1, 1, mpf(10) ** 10, mpf(10) ** 8])
-
-    def determinant(angle: mpf, factor: float) -> mpf:
-        c, s = cos(angle), sin(angle)
-        whole = half.Q * c**2 + (half.R + half.R.T) * (s * c) + half.T * s**2
-        moving = whole - mp.diag([1, 1, 0, 0]) * (inertia * factor * c**2)
-        return mp.det(units * moving * units / mpf(10) ** 11)
-
-    angles = [pi * k / 720 for k in range(-359, 360)]
-    sign = determinant(mpf(0), 0.0)
-    assert all(determinant(angle, 1 - 1e-6) * sign > 0 for angle in angles)
-    lowest = min(angles, key=lambda angle: determinant(angle, 1.0) * sign)
-    assert any(determinant(lowest + pi * k / 72000, 1 + 1e-6) * sign < 0 for k in range(-200, 201))
-
-
-ROOT_POSITIONS = (-3.0, -1.001, -0.999, 0.25, 0.999, 1.001, 50.0)
-
-
-#: Ceramics with c13 moved until a pair of roots coalesces on the imaginary axis, where the discriminant is zero.
-COALESCING = {
-    "titanate": BARIUM_TITANATE | {"c13": 73530337388.73566},
-    "ferrite": COBALT_FERRITE | {"c13": 185950658976.0411},
-}
-
-
+#: Ceramics with c13 where a pair of roots coalesces on the imaginary axis: the discriminant is zero.
+TITANATE, FERRITE = BARIUM_TITANATE | {"c13": 73530337388.73566}, COBALT_FERRITE | {"c13": 185950658976.0411}
 ALUMINIUM = isotropic(70e9, 0.33)
 
 
@@ -184,24 +134,18 @@ ALUMINIUM = isotropic(70e9, 0.33)
 @pytest.mark.parametrize(
     "material",
     [
-        *(COALESCING[name] | {"c13": COALESCING[name]["c13"] * (1 + offset)}
-          for name, offset in (("titanate", 0.0), ("titanate", 1e-7), ("ferrite", 0.0))),
+        TITANATE, TITANATE | {"c13": TITANATE["c13"] * (1 + 1e-7)}, FERRITE,
         *(ALUMINIUM | {"c33": ALUMINIUM["c33"] * (1 + offset)} for offset in (-1e-8, 0.0, 1e-15)),
         isotropic(70e9, 0.2) | {"g11": 8e-9, "g33": 8e-9},  # three roots p = i, two of them with one eigenvector
         isotropic(5e6, 0.4999),
     ],
 )  # fmt: skip
 def test_roots_that_coincide_or_nearly_do(material: dict[str, float]) -> None:
-    constants = {name: value for name, value in material.items() if name != "rho"}
-    exact = precise.solve(constants, positions=ROOT_POSITIONS, **CHARGED)
-    computed = solver.solve({"material": solver.Material.from_mapping(constants), **CHARGED}, ROOT_POSITIONS)
-    assert_agrees(computed, exact)
+    check(solver.Material.from_mapping(material), (-3.0, -1.001, -0.999, 0.25, 0.999, 1.001, 50.0))
 
 
 MADE = {"c11": 211e9, "c13": 407e9, "c33": 1230e9, "e31": -2.5, "e33": 22.0, "e15": 9.6, "f31": 235.0, "f33": 1180.0}
 MADE |= {"f15": 130.0, "eps11": 2.3e-9, "eps33": 9.5e-9, "g11": 0.0, "g33": 5e-9, "mu11": 107e-6, "mu33": 16e-6}
-CROSSING_POSITIONS = (-20.0, -1.01, -0.99, -0.4, 0.3, 0.99, 1.01, 4.0)
-CONTACT: dict[str, Any] = CHARGED | {"friction": 1.5}
 
 
 def coupling(c44: float) -> float:
@@ -222,22 +166,17 @@ def crossing() -> float:
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("offset", [0.0, 1e-9, -1e-13, 0.1])
 def test_values_at_and_about_the_crossing(offset: float) -> None:
-    c44 = crossing() * (1 + offset)
-    exact = precise.solve(MADE | {"c44": c44}, positions=CROSSING_POSITIONS, **CONTACT)
-    material = solver.Material.from_mapping(MADE | {"c44": c44})
-    assert_agrees(solver.solve({"material": material, **CONTACT}, CROSSING_POSITIONS), exact)
+    material = solver.Material.from_mapping(MADE | {"c44": crossing() * (1 + offset)})
+    check(material, (-20.0, -1.01, -0.99, -0.4, 0.3, 0.99, 1.01, 4.0), friction=1.5)
 
 
 @pytest.mark.parametrize(("name", "share"), [(SIH_SONG, 0.999), ("steel", 0.6)])
 def test_moving_punch_agrees_with_50_digits(name: str, share: float) -> None:
     positions = [-250.0, -1.7, -1.0001, -0.95, 0.2, 0.95, 1.0001, 4.0]
-    speed = float(limiting_speed(solver.find(name), BOTH)) * share
-    case: dict[str, Any] = {"radius": 0.03, "load": 4e4, "friction": 0.6, "datum": 0.2}
-    case |= {"charge": 1e-6, "magnetic_charge": -2e-3}
-    computed = solver.solve({"material": name, **case, "speed": speed}, positions)
-    exact = precise.solve(constants(solver.find(name)), **case, speed=speed, positions=positions)
-    for quantity, value in exact.quantities.items():
-        np.testing.assert_allclose(computed[quantity].item(), float(value), rtol=1e-10, err_msg=quantity)
+    case = CHARGED | {"friction": 0.6, "speed": float(limiting_speed(solver.find(name), BOTH)) * share}
+    computed = solver.solve({"material": name, **case}, positions)
+    exact = precise.solve(constants(solver.find(name)), **case, positions=positions)
+    assert_agrees(computed, replace(exact, fields={}), 1e-10)
     for field, values in exact.fields.items():
         reference = np.array(values, float)
         scale = float(np.max(np.abs(reference)))

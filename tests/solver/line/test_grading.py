@@ -1,17 +1,9 @@
-"""Graded films as twelve sublayers: exact exponents, the figures of exact kernels, films graded by nothing."""
+"""Graded films as twelve sublayers: the figures of exact kernels, films graded by nothing."""
 
-import numpy as np
 import pytest
-from scipy.linalg import expm
 
 import solver
-from solver.face.filmbodies import SUBLAYERS
-from solver.material.constants import UNITS
-from solver.stack.fourier import Medium
-from solver.stack.layers import Layer, Stack
-from solver.stack.reflection import waves
 from tests.solver.cases import assert_alike
-from tests.solver.line.films import FIBROUS
 
 FILM: dict[str, object] = {"radius": 0.05, "friction": 0.3, "thickness": 2e-4, "surroundings": "insulated"}
 LINEAR = FILM | {"volume_fraction": 0.2, "base_volume_fraction": 0.8}
@@ -19,36 +11,6 @@ FIGURES = ("contact_trailing", "peak_pressure", "depth", "voltage", "trailing_te
            "electric_edge_intensity_trailing")  # fmt: skip
 #: What sublayers may miss, as docs/names.md says it.
 MISSED = (2e-3, 1e-3, 1e-3, 3e-3, 1e-2, 2e-2, 6e-2)
-
-
-def exponential(depth: float) -> solver.Material:
-    """Every constant of the fibrous composite falls like exp(-0.8 depth)."""
-    factor = np.exp(-0.8 * depth)
-    return solver.Material(**{name: getattr(FIBROUS, name) * factor for name in UNITS if name != "rho"})
-
-
-def response(count: int, k: np.ndarray) -> np.ndarray:
-    """Y of the surface by sublayers of the materials at their middles, in units of the homogeneous one; (k, 4, 4)."""
-    layers = [Layer(exponential((i + 0.5) / count), 1 / count, "bonded", "bonded") for i in range(count - 1)]
-    stack = Stack([*layers, Layer(exponential(1 - 0.5 / count), 1 / count, magnetic="grounded")])
-    units = stack.scale / Medium(FIBROUS, np.ones(4)).halfplane.scale
-    Y = stack.media[0].compliance + waves(stack, k)[0].difference
-    return np.asarray(Y * units[:, None] * units)
-
-
-def test_sublayers_tend_to_the_exact_exponents_by_second_order() -> None:
-    surface, k = Medium(FIBROUS, Medium(FIBROUS, np.ones(4)).halfplane.scale), np.array([0.03, 0.3, 1.0, 3.0])
-    bend = 0.4 * np.diag([1.0] * 4 + [-1.0] * 4)
-    exact = []
-    for wavenumber in k:
-        whole = expm(wavenumber * surface.system + bend)
-        exact.append(whole[:4, 4:] @ np.linalg.inv(whole[4:, 4:]))
-    coarse, fine = (
-        np.max(np.abs(response(count, k) - exact), axis=(1, 2)) / np.max(np.abs(exact), axis=(1, 2))
-        for count in (SUBLAYERS, 2 * SUBLAYERS)
-    )
-    assert (coarse < 5e-3).all()
-    np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.05)
 
 
 @pytest.mark.parametrize(

@@ -9,18 +9,14 @@ from scipy.integrate import quad_vec
 
 import solver
 from solver.arrays import Array
-from solver.halfplane.profile import Profile
-from solver.halfplane.sliding import Punch
-from solver.line import kernel as module
 from solver.line import outputs
-from solver.line.contact import FilmContact
 from solver.line.fields import local_fields
 from solver.line.kernel import ENTRIES, Kernel, kernel
 from solver.line.outputs import Assembly
 from solver.line.table import SlowWarning, at, table
-from solver.stack.layers import RIGID, Layer, Stack, StackError
+from solver.stack.layers import RIGID, Layer, Stack
 from solver.stack.reflection import waves
-from tests.solver.line.films import BTO, FIBROUS, ON_STEEL, STEEL, cases
+from tests.solver.line.films import BTO, FIBROUS, STEEL
 
 #: Roots with a large real part put singularities beside the first panels.
 AXIAL = [name for name, material in solver.materials().items() if material.axial]
@@ -33,8 +29,9 @@ def of(material: solver.Material, base: str, ratio: float) -> Kernel:
     return kernel(stack, 2.1 * ratio)
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize(
-    ("name", "base"), [*zip(AXIAL, cycle(["rigid", "steel"])), *product(STEEP, ["rigid", "steel"])]
+    ("name", "base"), [*product(STEEP, ["rigid", "steel"]), *zip(AXIAL, cycle(["rigid", "steel"]))]
 )
 def test_no_built_in_material_is_refused(name: str, base: str) -> None:
     for ratio in (1e-3, 1.0, 30.0):
@@ -45,14 +42,6 @@ def test_no_built_in_material_is_refused(name: str, base: str) -> None:
 
 def test_no_composition_is_refused() -> None:
     assert of(solver.aluminium_scandium_nitride(0.5), "steel", 30.0).reach > 60
-
-
-def test_what_the_panels_do_not_resolve_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without their halving, which PMN-PT needs: the message names what makes tables hard."""
-    monkeypatch.setattr(module, "_HALVINGS", 0)
-    with pytest.raises(StackError, match=r"does not resolve this stack: layers too different"):
-        of(solver.find(STEEP[0]), "steel", 1.07)  # of no other test's reach: tables are kept
-    assert of(solver.find("PZT-4"), "steel", 1.07).reach > 2
 
 
 def test_values_are_the_integrals() -> None:
@@ -68,18 +57,9 @@ def test_values_are_the_integrals() -> None:
     np.testing.assert_allclose(table.at(np.array([x]))[0, :10], -whole / np.pi, rtol=0, atol=1e-10 * size)
 
 
-def test_silicone_on_a_stiff_film_is_the_silicone_of_hertz() -> None:
-    """The film is 1e5 times as stiff: it adds 1e-5 of the compliance."""
-    soft, profile = Punch.isotropic(2e6, 0.49), Profile.cylinder(np.array(0.05))
-    tabled = table(ON_STEEL, 0.0, least=0.3, most=4.0, punch=soft)
-    computed = FilmContact(tabled, profile, cases(3.0), np.zeros((1, 2)), np.array(1.0))
-    hertz = np.sqrt(2 * float(soft.compliance) * 0.05 * 3.0 / np.pi)
-    assert float(computed.half_width[0]) == pytest.approx(hertz, rel=2e-5)
-
-
 @pytest.mark.filterwarnings("ignore::solver.line.table.SlowWarning")
 @pytest.mark.sampled(1)
-@pytest.mark.parametrize("most", [30.0, 3.0])
+@pytest.mark.parametrize("most", [3.0, 30.0])
 def test_default_tables_are_read_to_1e_8(most: float) -> None:
     """Between the half-lengths of the table, against the system itself; load to 1e-9, the others over their range."""
     tabled = table(Stack((Layer(FIBROUS, 1.0),)), 0.3, most=most)

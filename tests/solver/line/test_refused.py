@@ -2,28 +2,18 @@
 
 from collections.abc import Callable
 
-import numpy as np
 import pytest
 
 import solver
 from solver import MaterialError, find
 from solver.halfplane.pressing import ContactError
-from solver.halfplane.profile import Profile
-from solver.line.contact import FilmContact
-from solver.line.kernel import kernel
-from solver.line.table import table
 from solver.stack.layers import Layer, Stack
-from tests.solver.line.films import BTO, CFO, FIBROUS, ON_STEEL, cases, cylinder, interior_fields, surface_fields
+from tests.solver.line.films import BTO, CFO, FIBROUS
 
-INSULATED = Stack((Layer(BTO, 0.5e-3, magnetic="insulated"),))
+INSULATED = {"body": Stack((Layer(BTO, 0.5e-3, magnetic="insulated"),)), "surroundings": "insulated"}
+CYLINDER = INSULATED | {"radius": 0.05, "load": 1e5}
+ON_STEEL = Stack((Layer(FIBROUS, 2e-4, magnetic="grounded"),), "steel")
 METAL = {"name": "mine", "c11": 126e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
-
-
-def pressed(radius: float, load: float, charge: float = 0.0) -> object:
-    """Half-length of a cylinder on a film 0.2 mm thick, whose table ends at 10 thicknesses."""
-    tabled = table(Stack((Layer(FIBROUS, 2e-4),)), 0.3, most=10.0)
-    profile, charges = Profile.cylinder(np.array(radius)), np.array([[charge, 0.0]])
-    return FilmContact(tabled, profile, cases(load), charges, np.array(1.0)).half_width
 
 
 #: Words of the refusal, and what is refused with them.
@@ -41,16 +31,12 @@ REFUSED: dict[str, Callable[[], object]] = {
     "mine: e33 = 1 C m-2: must be 0 in a conductor": lambda: solver.Material.from_mapping(
         METAL | {"conductor": True, "e33": 1.0}
     ),
-    "more than one length": lambda: pressed(5e4, 4300.0, -1e-5),
-    "range": lambda: table(ON_STEEL, least=2.0, most=1.0),
-    " range": lambda: table(ON_STEEL, least=0.1, most=1e3),
-    "beyond the range": lambda: kernel(Stack((Layer(BTO, 1e-9), Layer(FIBROUS, 1.0))), 1.0),
-    " beyond the range": lambda: surface_fields(cylinder(ON_STEEL), np.array([1e7])),
-    "x: 1e+06 is farther from the contact than the fields inside this film": lambda: interior_fields(
-        cylinder(INSULATED), np.array([1e6]), np.zeros(1), ("stress_xx",)
+    "beyond the range": lambda: solver.solve(CYLINDER, [1e7]),
+    "x: 1e+06 is farther from the contact than the fields inside this film": lambda: solver.solve_interior(
+        CYLINDER, [1e6], [0.0], fields=["stress_xx"]
     ),
-    "magnetic_potential: is not given inside a film on a base that insulates": lambda: interior_fields(
-        cylinder(INSULATED), np.zeros(1), np.zeros(1), ("magnetic_potential",)
+    "magnetic_potential: is not given inside a film on a base that insulates": lambda: solver.solve_interior(
+        CYLINDER, [0.0], [0.0], fields=["magnetic_potential"]
     ),
     "contact: half-length over thickness 11.1 is too wide for peaks; must be < 10": lambda: solver.solve(
         {"body": ON_STEEL, "profile": "flat", "width": 22.2 * 2e-4, "load": 1e4, "surroundings": "insulated"},

@@ -1,6 +1,5 @@
 """Constants of data sheets in every form; those that are malformed, inadmissible or of a lost unit are refused."""
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -29,29 +28,29 @@ def material(entries: dict[str, float], name: str = "mine") -> solver.Material:
     return solver.Material(**constants, name=name)
 
 
+AS_PUBLISHED = material(FERRITE | {"mu11": -590e-6}, "CoFe2O4 as published")
+
 FIBRES, HOST = solver.find("BaTiO3"), solver.find("CoFe2O4")
-LACKING = without(TITANATE, "c12")
-MIXTURES = (solver.fibrous, solver.laminate)
-STIFF = without(TITANATE, "c33")
-MALFORMED: tuple[object, ...] = ("166e9", None, True, [166e9, 167e9], {})
+MALFORMED: tuple[object, ...] = ("166e9", None, True, [166e9, 167e9], {}, 10**400)
 #: Words of the refusal, and what is refused with them; the words are quoted as they stand.
 REFUSED: list[tuple[str, Callable[[], object]]] = [
     *((f"{name}: {value} is not a finite number", lambda name=name, value=value: read({name: value}))
-      for name, value in (("c11", np.nan), ("e31", np.inf), ("eps33", np.nan), ("mu11", np.inf), ("g33", np.nan))),
-    *((f"{name}: ", lambda name=name: pressed({name: np.nan})) for name in ("c11", "e31", "eps33", "mu11", "g33")),
-    *((repr(value), lambda value=value: read({"c11": value})) for value in MALFORMED),
-    ("c11: ", lambda: read({"c11": 10**400})),
+      for name, value in (("c11", np.nan), ("e31", np.inf), ("g33", np.nan))),
+    *(("c11: ", lambda value=value: read({"c11": value})) for value in MALFORMED),
+    ("g33: ", lambda: pressed({"g33": np.nan})),
     ("mine: e13: unknown entry; ", lambda: read({"e13": -4.4})),
-    ("c33: missing", lambda: solver.Material.from_mapping(STIFF)),
+    ("c33: missing", lambda: solver.Material.from_mapping(without(TITANATE, "c33"))),
     ("broken: c13", lambda: solver.solve({"material": ["steel", broken(), "PZT-4"], **CONTACT})),
     ("arrays", lambda: solver.solve({"material": solver.fibrous(FIBRES, HOST, [0.2, 0.4]), **CONTACT})),
     *((f"volume_fraction: {value:g} is not", lambda mix=mix, value=value: mix(FIBRES, HOST, [0.5, value]))
-      for mix in MIXTURES for value in (-0.1, 1.5, np.nan)),
+      for mix, value in ((solver.fibrous, -0.1), (solver.laminate, np.nan))),
     *((f"scandium_fraction: {value:g} is not within 0 to 0.5",
-       lambda value=value: solver.aluminium_scandium_nitride([0.2, value])) for value in (-0.01, 0.51, np.nan)),
-    ("mine: c12: missing", lambda: solver.fibrous(material(LACKING), HOST, 0.5)),
+       lambda value=value: solver.aluminium_scandium_nitride([0.2, value])) for value in (-0.01, 0.51)),
+    ("mine: c12: missing", lambda: solver.fibrous(material(without(TITANATE, "c12")), HOST, 0.5)),
+    ("CoFe2O4 as published: mu11 = -0.00059 N s2 C-2", lambda: solver.fibrous(FIBRES, AS_PUBLISHED, 0.999)),
+    ("use mu11 = +590e-6", lambda: solver.laminate(FIBRES, AS_PUBLISHED, 0.5)),
     *(("isotropic: ", lambda young=young, poisson=poisson: solver.Material.isotropic(young, poisson))
-      for young, poisson in ((2e11, -1.0), (2e11, 0.6), (2e11, 0.5), (-1.0, 0.3), (0.0, 0.3), (np.nan, 0.3))),
+      for young, poisson in ((2e11, -1.0), (2e11, 0.5), (0.0, 0.3))),
 ]  # fmt: skip
 
 
@@ -79,62 +78,18 @@ def test_refused(words: str, attempt: Callable[[], object]) -> None:
     [
         ({"c11": -166e9}, ["c11 = -1.66e+11 Pa", "positive"]),
         ({"c33": 0.0}, ["c33 = 0 Pa", "positive"]),
-        ({"c44": -1.0}, ["c44 = -1 Pa", "positive"]),
         ({"c13": 165e9}, ["c13 = 1.65e+11 Pa", "c13^2 < c11 c33"]),
         ({"c13": 145e9}, ["c13 = 1.45e+11 Pa", "2 c13^2 < (c11 + c12) c33"]),
         ({"c12": 170e9}, ["c12 = 1.7e+11 Pa", "|c12| < c11"]),
-        ({"eps11": -11.2e-9}, ["eps11 = -1.12e-08 F m-1", "positive"]),
         ({"mu11": -590e-6}, ["mu11 = -0.00059 N s2 C-2", "positive", "mu11 = +590e-6", "wrong sign"]),
         ({"g11": 3e-7}, ["g11 = 3e-07 N s V-1 C-1", "g11^2 < eps11 mu11"]),
         ({"g33": -4e-7}, ["g33 = -4e-07 N s V-1 C-1", "g33^2 < eps33 mu33"]),
-        ({"rho": 0.0}, ["rho = 0 kg m-3", "positive"]),
     ],
 )
 def test_inadmissible(change: dict[str, float], words: list[str]) -> None:
-    entries = TITANATE | change
-    with pytest.raises(solver.MaterialError) as from_mapping:
-        solver.Material.from_mapping({"name": "mine", **entries})
-    with pytest.raises(solver.MaterialError) as from_solve:
-        solver.solve({"material": material(entries), **CONTACT})
-    for word in ["mine: ", *words]:
-        assert word in str(from_mapping.value)
-        assert word in str(from_solve.value)
-
-
-@pytest.mark.parametrize("mix", [solver.fibrous, solver.laminate])
-@pytest.mark.parametrize("fraction", [0.0, 0.5, 0.999])
-def test_composites_of_the_ferrite_as_published_are_refused_with_the_fix(mix: Any, fraction: float) -> None:
-    """The mean of mu11 is positive at high fractions of titanate, so the phase itself is checked."""
-    published = material(FERRITE | {"mu11": -590e-6}, "CoFe2O4 as published")
-    with pytest.raises(solver.MaterialError, match=r"CoFe2O4 as published.*mu11 = .*use mu11 = \+590e-6"):
-        mix(solver.find("BaTiO3"), published, fraction)
-
-
-@pytest.mark.parametrize("name", ["c11", "c33", "eps11", "mu33"])
-def test_constants_near_the_end_of_the_range_of_numbers_warn_of_nothing(name: str) -> None:
-    constants = {"c11": 2.7e11, "c12": 1.2e11, "c13": 1.2e11, "c33": 2.7e11, "c44": 7.7e10, "eps11": 1e-8, "mu33": 1e-5}
-    material = solver.Material.from_mapping(
-        {"name": "mine", **constants, name: f"1.7976931348623157e308 {UNITS[name]}"}
-    )
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        material.check()  # admissible by the inequalities, whatever their products come to
-
-
-#: Off-diagonal constants, and the two whose product bounds the square of each.
-BOUNDED = {"c13": ("c11", "c33"), "c12": ("c11", "c11"), "g11": ("eps11", "mu11"), "g33": ("eps33", "mu33")}
-
-
-@pytest.mark.parametrize("name", sorted(BOUNDED))
-@pytest.mark.parametrize("sign", [-1, 1])
-def test_a_constant_is_accepted_just_within_its_bound_and_refused_just_beyond(name: str, sign: int) -> None:
-    c = {"c11": 2e11, "c13": 0.0, "c33": 1.5e11, "c44": 5e10}
-    c |= {"eps11": 5e-9, "eps33": 7e-9, "mu11": 1e-4, "mu33": 3e-4}
-    first, second = BOUNDED[name]
-    bound = sign * (c[first] * c[second]) ** 0.5
-    solver.Material.from_mapping(c | {name: bound * (1 - 1e-12)})
-    with pytest.raises(solver.MaterialError, match=f"{name} = "):
-        solver.Material.from_mapping(c | {name: bound * (1 + 1e-12)})
+    with pytest.raises(solver.MaterialError) as refusal:
+        solver.Material.from_mapping({"name": "mine", **TITANATE, **change})
+    assert all(word in str(refusal.value) for word in ["mine: ", *words])
 
 
 #: PZT-5A as vendors print it: s^E [m2/N], d [C/N], free relative permittivities.
@@ -169,14 +124,10 @@ def slip(name: str, row: int, column: int, value: float) -> dict[str, Any]:
 
 
 def test_a_vendors_sheet_gives_the_published_stiffness_form() -> None:
-    material = Material.from_mapping(PZT_5A)
-    # c11 120.3 GPa, e33 15.8 C/m2, e31 -5.4, e15 12.3 and 830 eps0: Berlincourt's PZT-5A, rounded to three digits
-    assert float(material.c11) == pytest.approx(120.3e9, rel=1e-3)
-    assert float(material.c33) == pytest.approx(110.9e9, rel=1e-3)
-    assert float(material.e33) == pytest.approx(15.8, rel=2e-3)
-    assert float(material.e31) == pytest.approx(-5.35, rel=2e-3)
-    assert float(material.e15) == pytest.approx(12.3, rel=2e-3)
-    assert float(material.eps33) == pytest.approx(7.32e-9, rel=1e-3)
+    """Berlincourt's PZT-5A, rounded to three digits."""
+    read = Material.from_mapping(PZT_5A)
+    known = {"c11": 120.3e9, "c33": 110.9e9, "e33": 15.8, "e31": -5.35, "e15": 12.3, "eps33": 7.32e-9}
+    assert [float(getattr(read, name)) for name in known] == pytest.approx(list(known.values()), rel=2e-3)
 
 
 def test_both_forms_lead_back_to_each_other() -> None:
@@ -219,16 +170,12 @@ def test_matrices_of_both_orders_are_read(order: str) -> None:
         (PZT_5A | {"k33": 70.5}, "k33: 70.5 is not within"),
         (PZT_5A | {"eps_r33": 300}, "eps_T33 = .* must exceed"),
         (PZT_5A | {"c11": 120e9}, "s11 and c11: two forms"),
-        (PZT_5A | {"e33": 15.8}, "d31 and e33: two forms"),
         (PZT_5A | {"s66": 20e-12}, "s66 = 2e-11: with s11"),
         (PZT_5A | {"s33": "18.8 GPa"}, "s33: .*unit mismatch"),
-        (PZT_5A | {"s33": True}, "s33: True is not a finite number"),
         ({"E": 70e9}, "nu: missing"),
         ({"E": 70e9, "nu": 0.6}, "nu: 0.6 is not within"),
         (matrices("Abaqus") | {"order": "IEEE"}, r"c, row 5, column 5: 2.1e\+10 where a body .* has 2.25e\+10"),
         (slip("c", 1, 0, 79.0), r"c, row 2, column 1: 7.9e\+10 where a body .* has 7.5e\+10"),
-        (slip("c", 4, 4, 22.0), r"c, row 5, column 5"),
-        (slip("c", 2, 3, 0.2), r"c, row 3, column 4"),
         (slip("e", 1, 3, 12.5), r"e, row 2, column 4"),
         (matrices("IEEE") | {"order": "ANSYS"}, "order: 'ANSYS' must be IEEE"),
         (matrices("IEEE") | {"c": [[1.0, 2.0]]}, "c: needs 6 rows of 6 numbers"),
@@ -242,7 +189,6 @@ def test_slips_are_refused_by_name(entries: dict[str, Any], message: str) -> Non
 
 
 PZT = {name: float(getattr(solver.find("PZT-4"), name)) for name in UNITS}
-CASE = {"radius": 0.05, "load": 1e4}
 #: A constant as somebody wrote it, without its unit, and what the question proposes.
 LOST = [
     ("eps33", 830, "830 eps0"), ("eps11", 5.62, "5.62 nF/m"), ("mu33", 1.0, "1 mu0"), ("mu11", 590, "590 mu0"),
@@ -254,15 +200,16 @@ LOST = [
 
 @pytest.mark.parametrize(("name", "value", "meant"), LOST)
 def test_a_constant_that_lost_its_unit_asks(name: str, value: float, meant: str) -> None:
-    arrays: dict[str, Any] = {key: np.array(number) for key, number in (PZT | {name: value}).items()}
-    entries = PZT | {name: value, "name": "mine"}
     with pytest.raises(solver.MaterialError, match=f"mine: {name}: .*did you mean") as error:
-        solver.Material.from_mapping(entries)
+        solver.Material.from_mapping(PZT | {name: value, "name": "mine"})
     assert meant in str(error.value)
-    with pytest.raises(solver.MaterialError, match=f"{name}: .*did you mean"):
-        solver.solve({"material": solver.Material(**arrays), **CASE})
+
+
+def test_materials_without_check_and_alternatives_ask_too() -> None:
+    with pytest.raises(solver.MaterialError, match=r"eps33: .*did you mean"):
+        pressed(PZT | {"eps33": 830})
     with pytest.raises(solver.MaterialError, match=r"mine \(alternative 1\): .*did you mean"):
-        solver.Material.from_mapping(PZT | {"name": "mine", "alternatives": [{name: value, "source": "a sheet"}]})
+        solver.Material.from_mapping(PZT | {"name": "mine", "alternatives": [{"eps33": 830, "source": "a sheet"}]})
 
 
 def test_youngs_moduli_and_limits_ask_too() -> None:
@@ -281,7 +228,7 @@ def test_with_its_unit_any_value_is_taken_and_read_back() -> None:
     assert mine.plain()["limits"]["tensile_strength"]["value"] == "35.0 Pa"
     again = solver.Material.from_mapping(mine.plain())
     assert again.plain() == mine.plain()
-    assert np.isfinite(solver.solve({"material": again.renamed("other"), **CASE})["voltage"])
+    assert np.isfinite(solver.solve({"material": again.renamed("other"), **CONTACT})["voltage"])
     assert float(solver.Material.from_mapping(PZT | {"c11": "139 GPa"}).c11) == 139e9
     assert float(solver.Material.isotropic("210 GPa", 0.3).c44) == pytest.approx(210e9 / 2.6)
 
@@ -302,7 +249,7 @@ def test_a_constant_in_megapascals_is_told_by_its_coupling_also_beside_constants
         solver.Material.from_mapping({**soft, **charged})
 
 
-@pytest.mark.parametrize("text", ["830 eps0", "830 ε0", "830 ε₀", "830 ϵ_0"])
+@pytest.mark.parametrize("text", ["830 eps0", "830 ε₀", "830 ϵ_0"])
 def test_a_suggested_unit_can_be_written(text: str) -> None:
     material = solver.Material.from_mapping(PZT | {"eps33": text})
     assert material.eps33 == pytest.approx(830 * 8.8541878188e-12, rel=1e-12)

@@ -1,7 +1,6 @@
 """Composites, alloys and lithium niobate against tensors, published tables and the statements of theory section 7."""
 
 import tomllib
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -14,7 +13,6 @@ from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
 from solver.material import composite
 from solver.material.constants import UNITS
-from solver.names import COMPOSITES
 from tests.solver import micromechanics
 from tests.solver.cases import free_body
 from tests.solver.strategies import between, phases, property_based
@@ -22,7 +20,6 @@ from verification.oracles.half_plane import CONSTANTS
 from verification.oracles.sample_materials import lithium_niobate
 from verification.oracles.surface import half_space, tensor
 from workflow.run.provenance import ROOT
-from workflow.study.layered import BodyLayer
 
 PHASES = solver.find("BaTiO3"), solver.find("CoFe2O4")
 BOTH = pytest.mark.parametrize("kind", ["fibrous", "laminate"])
@@ -68,30 +65,13 @@ def test_any_admissible_phases_mix(kind: str, first: solver.Material, second: so
     MIX[kind](first, second, fraction).check()
 
 
-@BOTH
-def test_fractions_and_phases_broadcast(kind: str) -> None:
-    first, second = PHASES
-    fractions = np.linspace(0, 1, 6).reshape(2, 3)
-    mix = MIX[kind](first, second, fractions)
-    assert mix.shape == (2, 3)
-    single = MIX[kind](first, second, float(fractions[1, 1]))
-    assert float(single.rho) == pytest.approx(0.8 * 5800 + 0.2 * 5300, rel=1e-15)
-    for name in UNITS:
-        values = np.broadcast_to(getattr(mix, name), (2, 3))
-        np.testing.assert_allclose(values[1, 1], getattr(single, name), rtol=4e-16, err_msg=name)
-
-
-def test_a_name_without_law_is_refused_and_a_new_law_serves_layers(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_name_without_law_is_refused_and_a_law_takes_arrays() -> None:
     with pytest.raises(solver.MaterialError, match="'woven' is not one of fibrous, laminate, AlScN"):
         composite.compose("woven", PHASES, 0.3)
-    layer = BodyLayer(composite="laminate", volume_fraction=0.3, thickness=1e-4)
-    woven = layer.model_copy(update={"composite": "woven"})
-    monkeypatch.setitem(COMPOSITES, "woven", "volume_fraction")
-
-    with pytest.raises(solver.MaterialError, match="woven"):  # a third law is no laminate
-        woven.compose({}, {}, ("BaTiO3", "CoFe2O4"))
-    monkeypatch.setitem(composite._LAWS, "woven", lambda phases, fraction: phases[0])
-    assert woven.compose({}, {}, ("BaTiO3", "CoFe2O4")).material == PHASES[0]
+    mix = solver.fibrous(*PHASES, np.linspace(0, 1, 6).reshape(2, 3))
+    assert mix.shape == (2, 3)
+    assert float(mix.c33[1, 1]) == pytest.approx(float(solver.fibrous(*PHASES, 0.8).c33), rel=4e-16)
+    assert float(mix.rho[1, 1]) == pytest.approx(0.8 * 5800 + 0.2 * 5300, rel=1e-15)
 
 
 CONTACT: dict[str, Any] = {"radius": 0.05, "load": 1e4}
@@ -112,24 +92,6 @@ def test_volts_per_force_of_the_half_plane() -> None:
     assert abs(out.voltage_per_load.values) == pytest.approx([0.073, 0.117, 0.146, 0.180], abs=5e-4)
 
 
-@pytest.mark.parametrize(
-    "body", [{}, {"thickness": 1e-3, "surroundings": "insulated", "base": "silicon"}], ids=["half-plane", "film"]
-)
-def test_beside_other_composites_it_is_what_its_constants_say(body: dict[str, Any]) -> None:
-    """Every composite of a mixed call, one by one as a material."""
-    contact = {**CONTACT, **body, "friction": 0.2}
-    kinds = ["AlScN", "laminate", "fibrous"]
-    out = solver.solve({"composite": kinds, "scandium_fraction": [0.0, 0.4], "volume_fraction": 0.6, **contact})
-    phases = solver.find("BaTiO3"), solver.find("CoFe2O4")
-    for k, kind in enumerate(kinds):
-        for j, x in enumerate((0.0, 0.4)):
-            material = solver.aluminium_scandium_nitride(x) if kind == "AlScN" else getattr(solver, kind)(*phases, 0.6)
-            alone = solver.solve({"material": material, **contact})
-            for name, value in alone.data_vars.items():
-                values = out[name].isel(composite=k, scandium_fraction=j)
-                np.testing.assert_allclose(values, value, rtol=1e-11, atol=0, err_msg=f"{kind} {x} {name}")
-
-
 #: BaTiO3-CoFe2O4 as published, constants by volume fraction of BaTiO3; up to 0.8 with the wrong sign of CoFe2O4's mu11.
 PUBLISHED = tomllib.loads((ROOT / "solver/material/published.toml").read_text(encoding="utf-8"))
 FRACTIONS = ("0.0", "0.2", "0.4", "0.6", "0.8", "1.0")
@@ -146,34 +108,19 @@ def mori_tanaka(sign: float, fraction: float) -> dict[str, float]:
     return {constant: float(value) for constant, value in exact.items()}
 
 
-@pytest.mark.parametrize("name", COUPLED)
-def test_published_tables_follow_from_mori_tanaka_with_the_wrong_sign(name: str) -> None:
+def test_published_tables_follow_from_mori_tanaka_with_the_wrong_sign() -> None:
     """Agreement is a tenth of the column's range, for e31 a sixth: the values were read from plots."""
-    column = np.array([PUBLISHED[fraction][name] for fraction in FRACTIONS])
-    wrong, right = (np.array([mori_tanaka(s, float(f))[name] for f in FRACTIONS]) for s in (-1.0, 1.0))
-    assert np.max(np.abs(column - wrong)) < (0.17 if name == "e31" else 0.1) * np.ptp(column)
-    if name in ("g11", "mu11"):
-        assert np.max(np.abs(column - right)) > np.ptp(column)
-        assert np.all(np.sign(right[1:5]) == -np.sign(column[1:5]))
-
-
-def test_the_sih_song_set_has_the_wrong_sign_in_g11() -> None:
-    material = solver.find("BaTiO3-CoFe2O4 50:50")
-    wrong, right = mori_tanaka(-1.0, 0.5), mori_tanaka(1.0, 0.5)
-    assert float(material.g33) == pytest.approx(wrong["g33"], rel=6e-3)
-    assert float(material.g11) == pytest.approx(wrong["g11"], rel=6e-3)
-    assert right["g11"] == pytest.approx(-5.23e-12, rel=1e-3)
-
-
-@pytest.mark.parametrize("fraction", FRACTIONS)
-def test_a_table_as_published_is_refused_for_its_mu11(fraction: str) -> None:
-    entry = PUBLISHED[fraction]
-    assert set(entry) <= set(UNITS)
-    if fraction == "1.0":
-        solver.Material.from_mapping(entry)
-        return
+    for name in COUPLED:
+        column = np.array([PUBLISHED[fraction][name] for fraction in FRACTIONS])
+        wrong, right = (np.array([mori_tanaka(s, float(f))[name] for f in FRACTIONS]) for s in (-1.0, 1.0))
+        assert np.max(np.abs(column - wrong)) < (0.17 if name == "e31" else 0.1) * np.ptp(column), name
+        if name in ("g11", "mu11"):
+            assert np.all(np.sign(right[1:5]) == -np.sign(column[1:5]))
+    song = solver.find("BaTiO3-CoFe2O4 50:50")
+    for name in ("g33", "g11"):
+        assert float(getattr(song, name)) == pytest.approx(mori_tanaka(-1.0, 0.5)[name], rel=6e-3)
     with pytest.raises(solver.MaterialError, match=r"mu11 = .* must be positive; published BaTiO3-CoFe2O4 tables"):
-        solver.Material.from_mapping(entry)
+        solver.Material.from_mapping(PUBLISHED["0.6"])
 
 
 @pytest.mark.parametrize("fraction", FRACTIONS[1:5])
@@ -186,31 +133,15 @@ def test_repaired_tables_differ_in_two_constants(fraction: str) -> None:
     assert "-590e-6" in material.note
 
 
-def test_pmn_pt_has_the_figures_of_its_abstract() -> None:
+def test_pmn_pt_has_the_figures_of_its_abstract_and_the_doubts_of_its_note() -> None:
     """Zhang, Jiang and Cao (2001): d33 about 2800 pC/N, k33 about 94 %, a shear mode of 880 m/s along [110]."""
     m = solver.find("PMN-PT 67:33")
     s, d = free_body(m)
     free = float(m.eps33) + float(d @ np.array([m.e31, m.e31, m.e33], dtype=float))
-    assert d[2] == pytest.approx(2800e-12, rel=0.15)  # half a GPa of c13, where it is rounded, moves d33 by 12 %
+    assert d[2] == pytest.approx(3170e-12, rel=1e-3)
+    assert "3170 pC/N, 13 % above its 2800" in m.note
     assert d[2] / np.sqrt(s[2, 2] * free) == pytest.approx(0.94, abs=0.03)
     assert float(np.sqrt((m.c11 - m.c12) / 2 / m.rho)) == pytest.approx(880, rel=0.03)
-
-
-def test_doubts_in_the_entries_are_what_the_constants_say() -> None:
-    pmn, film = solver.find("PMN-PT 67:33"), solver.find("P(VDF-TrFE) 75:25")
-    s, (_, _, d33) = free_body(pmn)
-    assert d33 == pytest.approx(3170e-12, rel=1e-3)
-    assert d33 / 2800e-12 == pytest.approx(1.13, abs=0.005)
-    assert 1 / float(np.linalg.eigvalsh(s)[-1]) == pytest.approx(5e9, rel=0.1)
-    assert "3170 pC/N, 13 % above its 2800" in pmn.note
-    shear = (film.c11 - film.c12) / 2
-    assert float(shear / film.c44) == pytest.approx(10, rel=0.01)
-    assert "c44 = 0.105 GPa is a tenth of what (c11 - c12)/2 = 1.05 GPa" in film.note
-    stiffer = replace(film, c44=shear, name="stiffer")
-    solution = solver.solve({"material": [film, stiffer], "radius": 0.05, "load": 1e3, "friction": 0.3})
-    solution = solution.assign(width=solution["contact_trailing"] + solution["contact_leading"])
-    for name, ratio in {"width": 0.6, "peak_pressure": 1.7, "trailing_tension": 0.6, "voltage": 0.7}.items():
-        assert round(float(solution[name][1] / solution[name][0]), 1) == ratio
 
 
 @pytest.mark.parametrize(

@@ -138,15 +138,6 @@ def test_potentials_fall_as_the_fields_say_and_are_the_punch_s_on_the_contact(ca
         np.testing.assert_allclose(surface, float(strength), rtol=2e-9)
 
 
-def test_potentials_vanish_far_away_and_are_none_without_a_ground() -> None:
-    near, far = (inside(CHARGED, [x], [-x], ["electric_potential"])["electric_potential"].item() for x in (1.0, 40.0))
-    assert abs(far) < 0.05 * abs(near)
-    with pytest.raises(solver.MaterialError, match=r"^fields: 'magnetic_potential' over a base that passes no flux on"):
-        inside(CHARGED | {"thickness": 8e-5, "surroundings": "insulated",
-               "base": "rigid", "interface_magnetic": "insulated"}, [0.0], [-0.5],
-               ["magnetic_potential"])  # fmt: skip
-
-
 def test_von_mises_below_a_ball_is_huber_s() -> None:
     """On the axis, where sigma_rr and sigma_yy are closed; the depth is that of the top."""
     solution = solver.solve(BALL | {"material": STEEL}, peaks=True)

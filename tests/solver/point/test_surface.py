@@ -1,6 +1,5 @@
 """Points on films: loads and Hankel's integrals of the surface fields, Abel's equation, blocks of any size."""
 
-from dataclasses import replace
 from functools import cache
 from itertools import product
 from typing import Any
@@ -8,11 +7,9 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from scipy.special import j0, j1
 
 import solver
 from solver.arrays import Array
-from solver.halfplane.surface import HalfPlane
 from solver.point import electrodes, inside
 from solver.point.profile import Shape, halfspace_form
 from solver.point.table import PointKind, PointWindow
@@ -50,55 +47,6 @@ def test_tractions_carry_the_loads(punch: dict[str, Any], body: dict[str, Any]) 
     ring = 2 * np.pi * fields["contact_radius"] ** 2 * np.sin(angle) * np.cos(angle) * weights
     loads = -fields["tractions"] @ ring / np.array([CHARGED[name] for name in ("force", "total_charge", "total_flux")])
     np.testing.assert_allclose(loads, 1.0, rtol=1e-12)
-
-
-@pytest.mark.parametrize("punch", [PUNCHES[0], PUNCHES[3]], ids=["sphere", "power"])
-def test_strains_are_hankel_s_integrals(punch: dict[str, Any]) -> None:
-    """u_r = int_0^inf k . t(k) J1(kr) dk with t(k) by quadrature; sigma_rr and sigma_tt follow by Hooke's law."""
-    places = np.array([0.3, 0.8, 1.7, 3.0])
-    fields = solved({"material": BTO} | punch | {"force": 10.0}, places)
-    nodes, weights = np.polynomial.legendre.leggauss(400)
-    angle, weights = np.pi / 4 * (nodes + 1), np.pi / 4 * weights
-    inside = solved({"material": BTO} | punch | {"force": 10.0}, np.sin(angle))["tractions"]
-    half = HalfPlane(BTO)
-    sources = half.friction_coupling @ inside * weights * np.sin(angle) * np.cos(angle)
-    panel, rule = np.polynomial.legendre.leggauss(20)
-    k, rule = (2 * np.arange(300)[:, None] + 1 + panel).ravel(), np.tile(rule, 300)
-    fade = np.exp(-((k / 300) ** 6))  # flat where it counts: averages over some 1/300 a, far from the edge
-    spectrum = (sources @ j0(np.sin(angle)[:, None] * k)) * fade * rule
-    hoop = -j1(places[:, None] * k) @ spectrum / places
-    dilation = -j0(places[:, None] * k) @ (spectrum * k)
-    pressed = half.in_plane_share @ fields["tractions"]
-    shear = BTO.c11 - BTO.c12
-    radial = half.in_plane_stiffness * dilation - shear * hoop + pressed
-    tangential = (half.in_plane_stiffness - shear) * dilation + shear * hoop + pressed
-    size = np.max(np.abs(radial))
-    np.testing.assert_allclose(fields["radial_stress"] / size, radial / size, atol=2e-5)
-    np.testing.assert_allclose(fields["hoop_stress"] / size, tangential / size, atol=2e-5)
-
-
-@pytest.mark.parametrize("punch", PUNCHES[:3], ids=lambda punch: punch["profile"])
-def test_stresses_on_a_film_are_those_inside_it(punch: dict[str, Any]) -> None:
-    """(P5.1) and sums over k, against Hankel integrals of the densities, continued to the surface from 1e-3 a."""
-    places, stresses = np.array([-0.4, 0.8, 1.2, -3.0]), ("radial_stress", "hoop_stress")
-    case = (
-        {"material": "BaTiO3", "punch": "steel", "thickness": 1e-4, "surroundings": "insulated", "base": "polyimide"}
-        | punch
-        | CHARGED
-    )
-    del case["total_flux"]
-    fields, inside = solver.solve(case, places), solver.solve_interior(case, places, [0.0])
-    for name, other in zip(stresses, ("stress_xx", "stress_zz"), strict=True):
-        size = float(np.abs(fields[name]).max())
-        np.testing.assert_allclose(fields[name], inside[other].squeeze(), atol=1e-9 * size, rtol=0)
-
-
-def test_stresses_need_c12_and_a_bare_surface_and_a_cone_s_pressure_is_infinite_at_its_apex() -> None:
-    without, stresses = {"material": replace(BTO, c12=np.array(np.nan))}, {"radial_stress", "hoop_stress"}
-    for body in (without, without | COATED, {"material": "BaTiO3", "electrode": "top"} | COATED):
-        assert not stresses & set(solver.solve(body | PUNCHES[0] | {"force": 1.0}, [0.0]).data_vars)
-    with pytest.raises(solver.FactorError, match=r"^positions: the pressure of r\^1 is infinite at 0"):
-        solver.solve({"material": "BaTiO3", "force": 1.0} | PUNCHES[1], [0.0])
 
 
 @pytest.mark.parametrize("exponent", [0.4, 1.6])

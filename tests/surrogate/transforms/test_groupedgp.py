@@ -1,6 +1,5 @@
 """Grouped surrogates: the user's inputs outside, products of powers inside, against functions known by formula."""
 
-from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -59,17 +58,6 @@ def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedG
     assert with_ends.distribution.highest_level() == 1 - 2 / 1501
 
 
-def test_a_guard_of_other_inputs_is_refused(with_ends: GroupedGP) -> None:
-    outer = with_ends.reduced_.calibration_
-    assert outer is not None
-    assert outer.outer is not None
-    fewer = replace(outer, outer=replace(outer.outer, slabs=outer.outer.slabs[:4], corners=outer.outer.corners[:6]))
-    member = copy(with_ends.reduced_)
-    member.calibration_ = fewer
-    with pytest.raises(ValueError, match="outer guard has other inputs"):
-        with_ends.over({"reduced": member})
-
-
 def test_sensitivity_is_that_to_the_inputs(exact: GroupedGP) -> None:
     """Against the indices of a grid process on the inputs themselves."""
     counts = (14, 7, 4, 7, 3)
@@ -99,13 +87,15 @@ def test_bad_groups_are_named(change: dict[str, object], says: str) -> None:
         replace(GROUPING, **change)  # type: ignore[arg-type]
 
 
-def test_no_logarithm_of_what_changes_sign() -> None:
-    logs = {**SCALINGS, "voltage": Scaling({"load": 1.0}, logarithm=1)}
-    with pytest.raises(ValueError, match=r"output 'voltage' is from .* no logarithm of what changes sign"):
-        GroupedGP(replace(GROUPING, scalings=logs)).fit(factorial())
-
-
-def test_cases_that_do_not_have_the_axes_values_are_refused() -> None:
-    wrong = factorial().assign_coords(radius=0.03)
-    with pytest.raises(ValueError, match="do not have its values of the axis 'pressing'"):
-        GroupedGP(GROUPING).fit(wrong)
+@pytest.mark.parametrize(
+    ("logarithm", "radius", "says"),
+    [
+        (1, None, r"output 'voltage' is from .* no logarithm of what changes sign"),
+        (0, 0.03, "do not have its values of the axis 'pressing'"),
+    ],
+)
+def test_cases_that_do_not_fit_the_groups_are_refused(logarithm: int, radius: float | None, says: str) -> None:
+    scalings = {**SCALINGS, "voltage": Scaling({"load": 1.0}, logarithm=logarithm)}
+    wrong = factorial() if radius is None else factorial().assign_coords(radius=radius)
+    with pytest.raises(ValueError, match=says):
+        GroupedGP(replace(GROUPING, scalings=scalings)).fit(wrong)

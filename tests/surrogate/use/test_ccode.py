@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 from approximation.arrays import Array
-from surrogate import GaussianProcess, GridGP, GroupedGP, Input, ScatterGP
+from surrogate import GaussianProcess, GridGP, Input, ScatterGP
 from surrogate.use import fmu
 from surrogate.use.ccode import code
 from surrogate.use.rounding import Rounded, rounded
@@ -25,14 +25,6 @@ from tests.surrogate import curved, grouped
 from tests.surrogate.functions import inside
 
 gcc = pytest.mark.needs("gcc")
-
-
-@cache
-def of_groups() -> GaussianProcess:
-    """Logarithms, an added logarithm, a logit axis, a correction, and an outer guard."""
-    model = GroupedGP(grouped.GROUPING).fit(grouped.factorial(0.2))
-    model.calibrate(grouped.cases(300, 1, 0.2, to_ends=300))
-    return model
 
 
 @cache
@@ -72,10 +64,10 @@ def exported(
 @pytest.mark.parametrize(
     ("model_of", "outputs", "arithmetic", "error"),
     [
-        (of_groups, ["length", "cold", "depth"], np.float64, 1e-5),
+        (grouped.calibrated, ["length", "cold", "depth"], np.float64, 1e-5),
         (of_two_inputs, ["steep", "wave"], np.float64, 1e-5),
         (of_one_input, ["f", "1"], np.float64, 1e-5),
-        (of_groups, ["length", "cold"], np.float32, 1e-3),
+        (grouped.calibrated, ["length", "cold"], np.float32, 1e-3),
     ],
 )
 def test_c_says_what_python_says(
@@ -119,14 +111,14 @@ def assert_agrees(compiled: Compiled, part: Rounded, output: int, X: Array, room
 
 @gcc
 def test_where_slabs_meet_rounding_narrows_no_interval(tmp_path: Path) -> None:
-    ((name, grid),) = of_groups().members.items()
+    ((name, grid),) = grouped.calibrated().members.items()
     grid, random = copy(grid), np.random.default_rng(2)
     assert grid.calibration_ is not None
     assert grid.calibration_.outer is not None
     outer = grid.calibration_.outer
     outer = replace(outer, slabs=random.uniform(0.0, 1.0, outer.slabs.shape))
     grid.calibration_ = replace(grid.calibration_, outer=outer)
-    model = of_groups().over({name: grid})
+    model = grouped.calibrated().over({name: grid})
     (part,), source = exported(model, ["depth"], tmp_path, np.float64, 1e-5)
     t = random.integers(0, 11, (len(model.inputs_), 2000)) / 5 - 1
     X = np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t, strict=True)], axis=1)

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 from sklearn.base import clone
-from sklearn.model_selection import GridSearchCV, KFold, cross_val_score
+from sklearn.model_selection import KFold, cross_val_score
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import MinMaxScaler, StandardScaler
 from sklearn.utils.estimator_checks import estimator_checks_generator
@@ -116,17 +116,6 @@ def test_tables_name_the_inputs_and_own_names_do_not_clash() -> None:
     np.testing.assert_allclose(model.predict(pd.DataFrame(fresh(30), columns=names)), truth(fresh(30)), atol=1e-3)
     with pytest.raises(ValueError, match="feature names"):
         model.predict(pd.DataFrame(fresh(30), columns=names[::-1]))
-
-
-def test_pipelines_searches_and_copies_work() -> None:
-    X = fresh(40)
-    scores = cross_val_score(make_pipeline(StandardScaler(), FactorialRegressor()), X, truth(X), cv=3)
-    assert scores.min() > 0.95
-    folds = KFold(2, shuffle=True, random_state=0)
-    search = GridSearchCV(FactorialRegressor(), {"nugget": [1e-10, 1.0]}, cv=folds).fit(X, truth(X))
-    assert search.best_params_ == {"nugget": 1e-10}  # the function has no noise
-    best = search.best_estimator_
-    assert clone(best).get_params() == best.get_params()
 
 
 def test_points_outside_are_answered_unless_refused() -> None:

@@ -164,9 +164,7 @@ def test_predictions_are_those_of_one_joint_gaussian(posterior: Learnt) -> None:
 def test_values_left_out_are_predicted_from_all_other_rows(posterior: Learnt) -> None:
     rows = DEVICE.rows()
     remaining = rows.row != rows.row[5]
-    others = Measurements(
-        rows.points, rows.row[remaining], rows.output[remaining], rows.value[remaining], rows.error[remaining]
-    )
+    others = replace(rows, **{name: getattr(rows, name)[remaining] for name in ("row", "output", "value", "error")})
     parts = []
     for draw in posterior.draws:
         discrepancies = {
@@ -211,10 +209,8 @@ def test_what_is_unknown_is_drawn_from_its_density(monkeypatch: pytest.MonkeyPat
     process = np.exp(2 * a)[:, None, None] * np.exp(-0.5 * square * np.exp(-2 * length)[:, None, None])
 
     def density(covariances: Array) -> Array:
-        return np.asarray(
-            -0.5
-            * (np.linalg.solve(covariances, residual[:, None])[..., 0] @ residual + np.linalg.slogdet(covariances)[1])
-        )
+        square_sum = np.linalg.solve(covariances, residual[:, None])[..., 0] @ residual
+        return np.asarray(-0.5 * (square_sum + np.linalg.slogdet(covariances)[1]))
 
     likely = density(base + noise + process) + prior + trust
     share = np.exp(likely - likely.max())
@@ -236,31 +232,25 @@ def test_what_rows_do_not_tell_stays_as_it_was(posterior: Learnt) -> None:
 
 
 def test_a_discrepancy_is_found_where_there_is_one() -> None:
-    real, none = learnt(Device(11, 0.1, 28).rows()), learnt(Device(11, 0.0, 28).rows())
+    real, none = learnt(Device(11, 0.1).rows()), learnt(Device(11, 0.0).rows())
     assert min(real.odds.values()) > 20
     assert max(none.odds.values()) < 3
 
 
 def test_unknown_errors_of_measurement_are_estimated() -> None:
     rows = Device(3, 0.0, 28).rows(0.02)
-    nobody = Measurements(rows.points, rows.row, rows.output, rows.value, np.full_like(rows.error, np.nan))
-    posterior = learnt(nobody)
+    posterior = learnt(replace(rows, error=np.full_like(rows.error, np.nan)))
     for q in range(2):
         noise = np.sqrt(np.mean([draw.discrepancies[q].noise[0] for draw in posterior.draws]))
         assert noise == pytest.approx(0.02 * SIZES[q], rel=0.35)
 
 
 def test_what_cannot_be_learnt_is_refused() -> None:
-    rows = DEVICE.rows()
+    rows, X = DEVICE.rows(), physical_points(INPUTS, np.random.default_rng(0).uniform(-1, 1, (2, 30)))
+    same = Measurements(X, np.arange(30), np.zeros(30, int), np.full(30, 6.0), np.full(30, 1e-3))
     with pytest.raises(NotSettledError, match="does not settle"):  # a derivative of the wrong sign leads away
-        learn(lambda z: (5 + z[0] * np.ones(30), -np.ones((30, 1))), repeated(30), INPUTS, 1, np.zeros(30))
+        learn(lambda z: (5 + z[0] * np.ones(30), -np.ones((30, 1))), same, INPUTS, 1, np.zeros(30))
     with pytest.raises(ValueError, match="positive"):
-        Measurements(rows.points, rows.row, rows.output, rows.value, -rows.error)
+        replace(rows, error=-rows.error)
     with pytest.raises(ValueError, match="twice"):
-        Measurements(rows.points, 0 * rows.row, rows.output, rows.value, rows.error)
-
-
-def repeated(count: int) -> Measurements:
-    """One output at random points, measured as 6 +- 0.001."""
-    X = physical_points(INPUTS, np.random.default_rng(0).uniform(-1, 1, (2, count)))
-    return Measurements(X, np.arange(count), np.zeros(count, int), np.full(count, 6.0), np.full(count, 1e-3))
+        replace(rows, row=0 * rows.row)

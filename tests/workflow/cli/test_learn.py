@@ -77,11 +77,9 @@ def test_what_was_learnt_is_said_and_a_query_answers_with_it(project: Path, comm
     [
         ("radius [cm]", "radius [V]", "column 'radius': unit mismatch: 'V' does not measure what 'm' measures"),
         ("voltage [kV]", "volts", "column 'volts': unknown column; did you mean"),
-        ("voltage [kV]", "slope", "slope: neither an input of the surrogate nor learned by it"),
         ("radius [cm]", "radius", "is outside the trained box [0.02, 0.1] m"),
         (",depth,", ",contact_trailing,", "depth_std: without a column depth"),
         (",laminate,", ",AlScN,", "composite: 'AlScN'; must be one of fibrous, laminate"),
-        (",laminate,", ",,", "composite: empty; must be one of fibrous, laminate"),
         (HEADER, HEADER + "3,3e4,laminate,1e-6,-1e-9,\n", "line 3: depth_std: -1e-09: must be a positive number"),
         (HEADER, HEADER + "3,3e4,laminate,1e-6,1e300,\n", "depth[laminate]: an error of 1e+300 m; must be at"),
         ("voltage [kV]", "voltage [nV]", "voltage[laminate]: measured values are 1.1e-12 times"),
@@ -95,14 +93,3 @@ def test_bad_rows_and_constants_are_refused(old: str, new: str, reason: str, pro
     before = sorted(project.rglob("*"))
     assert reason in command.refused(*asked(project, *([old, new] if old == "--uncertain" else []), rows="bad.csv"))
     assert sorted(project.rglob("*")) == before
-
-
-def test_surrogates_of_another_study_are_refused(project: Path, command: Command) -> None:
-    model = load(project / "results/study/surrogate.nc")
-    model.made_from_ = "another study"
-    (project / "results/other").mkdir(exist_ok=True)
-    save(model, project / "results/study/other.nc")
-    refusal = command.refused("learn", project / "rows.csv", "--on", project / "results/study/other.nc")
-    assert "was made from another state of the study" in refusal
-    refusal = command.refused(*asked(project, "-o", project / "results/study/surrogate.nc"))
-    assert "is an input of this command" in refusal

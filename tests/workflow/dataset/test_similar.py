@@ -1,4 +1,4 @@
-"""Cases of films that follow by similarity from the stored ones, with no interpolation between, against the solver."""
+"""Cases of films that follow by similarity from the stored ones, against the solver, and effects of one factor."""
 
 import os
 import subprocess
@@ -131,3 +131,29 @@ def test_effects_of_films_stand_beside_the_half_plane(film_study: Study, factor:
     film = solver.solve(baseline | {"thickness": 2e-4, "surroundings": "insulated", "base": "silicon"}, positions)
     np.testing.assert_allclose(curves["stress_xx"].isel({factor: 1}), film["stress_xx"], rtol=1e-12)
     assert "thickness" not in effects.effect(film_study, "friction").coords
+
+
+SWEEPS = """\
+title: Sweeps
+effects:
+  baseline: {composite: fibrous, volume_fraction: 0.5, radius: 0.05, load: 3e4, friction: 0.3}
+  vary: {friction: [0.0, 0.3, 0.6], load: [1e4, 3e4], speed: [0.0, 500.0], composite: [fibrous, laminate]}
+  positions: {inside: 5, outside: 4}
+"""
+
+
+def test_effects_about_one_baseline_stand_together() -> None:
+    study = made(SWEEPS)
+    assert study.effects is not None
+    assert study.effects.of_baseline == ["friction", "load", "composite"]  # the baseline states no speed
+    single = {name: effects.effect(study, name) for name in study.effects.of_baseline}
+    together = effects.together(single)
+    assert dict(together.sizes) == {"case": 7, "position": single["load"].sizes["position"]}
+    assert set(together.coords) == {*study.effects.baseline, "varied", "position"}
+    for name, alone in single.items():
+        cases = np.flatnonzero(together["varied"] == name)
+        np.testing.assert_array_equal(together[name][cases], alone[name])
+        np.testing.assert_array_equal(together["stress_xx"][cases], alone["stress_xx"])
+    rows = {name: together[name].values.tolist() for name in study.effects.baseline}
+    again = solver.solve([dict(zip(rows, row, strict=True)) for row in zip(*rows.values(), strict=True)])
+    np.testing.assert_allclose(again["voltage"], together["voltage"], rtol=1e-12)

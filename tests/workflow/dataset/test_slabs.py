@@ -5,7 +5,6 @@ import os
 import shutil
 from math import prod
 from pathlib import Path
-from typing import Any
 
 import netCDF4
 import numpy as np
@@ -16,11 +15,9 @@ from hypothesis import strategies as st
 
 from solver.fields import FIELDS
 from solver.names import QUANTITIES
-from tests import warm
 from tests.studies import data_set, edited, made
 from workflow.dataset import datacard, factorial
 from workflow.dataset import slabs as dataset
-from workflow.run.provenance import ROOT
 from workflow.study import partition
 from workflow.study.model import Study
 
@@ -80,22 +77,6 @@ def test_any_selection_is_read_from_disk_as_from_memory(folder: Path, choice: di
     data = dataset.open_results(folder)
     whole = data["stress_xx"].copy(data=data["stress_xx"].values)
     xr.testing.assert_identical(data["stress_xx"].isel(choice).load(), whole.isel(choice))
-
-
-def test_opening_reads_no_field(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    reads: list[int] = []
-    read = dataset.Stacked._read
-
-    def counted(self: dataset.Stacked, number: int, levels: Any, selection: Any) -> Any:
-        reads.append(number)
-        return read(self, number, levels, selection)
-
-    monkeypatch.setattr(dataset.Stacked, "_read", counted)
-    data = dataset.open_results(folder)
-    curve = data["contact_pressure"].sel(friction=0.2, method="nearest").isel(volume_fraction=0)
-    assert reads == []
-    curve.load()
-    assert reads == [0]  # the first slab only
 
 
 def test_a_truncated_slab_is_named_when_it_is_read(folder: Path, tmp_path: Path) -> None:
@@ -174,17 +155,3 @@ def test_blocks_fill_the_factorial_in_order_of_whole_chunks(lengths: list[int], 
     number = np.ravel_multi_index(tuple(places), tuple(lengths))
     held = [set(number[region].ravel().tolist()) for region in regions]
     assert sum(map(len, held)) == len(set().union(*held))  # no chunk lies in two blocks
-
-
-CODE = """
-from pathlib import Path
-from workflow.dataset import slabs
-from workflow.study import model
-slabs.write_slab(model.load({study!r}), 0, Path({slab!r}))
-"""
-
-
-def test_progress_stays_out_of_a_log(tmp_path: Path) -> None:
-    (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
-    paths = {"study": str(tmp_path / "study.yaml"), "slab": str(tmp_path / "slab.nc")}
-    assert warm.run(["python", "-c", CODE.format(**paths)], ROOT).stderr == ""

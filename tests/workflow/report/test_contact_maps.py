@@ -8,12 +8,11 @@ import pytest
 import xarray as xr
 
 from solver.body import KINDS
-from tests.studies import made
+from tests.studies import edited, made, refusal
 from workflow.dataset.effects import maps, spread
 from workflow.report import device, firstscreen
 from workflow.report.figures import contact_maps, style
 from workflow.report.svg import element
-from workflow.study.reading import InputError
 
 ROUGH = """\
 title: Rough
@@ -21,7 +20,7 @@ effects:
   baseline:
     {material: PZT-4, profile: rough_sphere, radius: 20 mm, roughness: 10 nm, force: 200 mN,
      longest_wavelength: 100 um, shortest_wavelength: 30 um, grid_error: 0.1}
-  realisations: 3
+  realisations: 2
   positions: {inside: 10, outside: 10}
   vary: {force: [0.1, 0.4]}
 """
@@ -30,19 +29,12 @@ effects:
 def test_random_surfaces_are_solved_each_and_drawn_with_their_band() -> None:
     data = spread(made(ROUGH), "force")
     each = data["peak_pressure"].transpose("force", "realisation")
-    assert each.shape == (2, 3)
+    assert each.shape == (2, 2)
     assert np.all(np.ptp(each.values, axis=1) > 0.05 * each.values.mean(1))
     figure = contact_maps.spread(data)
     assert [ax.get_ylabel() for ax in figure.axes if ax.get_visible()] == [
         "contact pressure [MPa]", "charge per force [pC/N]", "depth [nm]",
     ]  # fmt: skip
-
-
-def test_effects_are_in_the_surroundings_that_the_solver_takes() -> None:
-    study = made(ROUGH)
-    assert (study.surroundings, study.kind.air) == (["air"], True)
-    insulated = made(ROUGH.replace("grid_error: 0.1", "grid_error: 0.1, surroundings: insulated"))
-    assert (insulated.surroundings, insulated.kind.air) == (["insulated"], False)
 
 
 def test_maps_share_a_window_that_holds_every_contact(tmp_path: Path) -> None:
@@ -65,21 +57,10 @@ def test_polar_plot_shows_both_signs_over_a_whole_turn() -> None:
     assert max(np.nanmax(line.get_ydata()) for line in ax.get_lines()) == pytest.approx(10, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        (
-            "profile: rough_sphere",
-            "profile: ellipsoid, radius_x: 1 mm, radius_y: 2 mm",
-            "realisations: only a rough_sphere",
-        ),
-        ("realisations: 3", "interior: {}", "interior: of a contact in space is not solved"),
-        ("realisations: 3", "realisations: 51", "realisations"),
-    ],
-)
-def test_effects_that_contacts_in_space_lack_are_refused(old: str, new: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        made(ROUGH.replace(old, new))
+def test_effects_that_contacts_in_space_lack_are_refused() -> None:
+    ellipsoid = "profile: ellipsoid, radius_x: 1 mm, radius_y: 2 mm"
+    assert "realisations: only a rough_sphere" in refusal(edited(ROUGH, "profile: rough_sphere", ellipsoid))
+    assert "interior: of a contact in space" in refusal(edited(ROUGH, "realisations: 2", "interior: {}"))
 
 
 @pytest.mark.parametrize(
@@ -88,10 +69,6 @@ def test_effects_that_contacts_in_space_lack_are_refused(old: str, new: str, mes
         (
             {"profile": "roller", "radius": 0.02, "length": 5e-3, "crown_radius": 3.0, "punch": "steel"},
             "PZT-4, 100 µm on steel; steel roller, R = 20 mm, 5 mm long, crown of 3 m, in air",
-        ),
-        (
-            {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 0.01},
-            "PZT-4, 100 µm on steel; ellipsoid, R = 5 mm and 10 mm, in air",
         ),
         (
             {"profile": "sphere", "radius": 5e-3, "cut": "tilt", "cut_angle": np.pi / 6},

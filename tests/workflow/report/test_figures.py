@@ -1,47 +1,82 @@
-"""Figures: the same however the data set is cut into slabs; no text is cut, no power of ten stands apart."""
+"""The page's sections have templates and captions; figures are compact, and no text of theirs is cut."""
 
+import io
 import re
-import warnings
 from dataclasses import replace
-from pathlib import Path
+from importlib import import_module
+from xml.etree import ElementTree
 
-import pytest
+import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.text import Text
 
 from storage.netcdf import read_whole
+from tests.studies import shipped
 from tests.workflow.conftest import Project
-from workflow.dataset import slabs as dataset
 from workflow.design.verdict import netcdf
 from workflow.language import grammar, statements, titles
-from workflow.report import page, svg
-from workflow.report.figures import design_plots, field_panels, sobol, style, surrogate_errors
-from workflow.study import coupling, partition
+from workflow.report import page, sections, svg
+from workflow.report.figures import design_plots, sobol, surrogate_errors
+from workflow.report.figures.style import compacted, styled
+from workflow.report.page import CAPTIONS, TEMPLATES
+from workflow.study import coupling
 from workflow.study.model import load
 
-ONE = "factors: {friction: {low: 0.0, high: 0.6, levels: 7}}"
-TWO = "factors: {volume_fraction: {low: 0.2, high: 0.8, levels: 7}, friction: {low: 0.0, high: 0.6, levels: 4}}"
-NAMED = f"categories: {{composite: [fibrous, laminate]}}\n{ONE}"
+#: Templates that are no section.
+SHARED = {"report", "firstscreen"}
 
 
-@pytest.mark.sampled(2)
-@pytest.mark.parametrize("factors", [ONE, TWO, NAMED], ids=["one factor", "two factors", "a category and a factor"])
-def test_the_number_of_slabs_does_not_change_the_figure_of_fields(factors: str, tmp_path: Path) -> None:
-    drawn = set()
-    for slabs in (1, 3):
-        file = tmp_path / "some.yaml"
-        fixed = {"radius": 0.05, "load": 1e5, "composite": "fibrous", "volume_fraction": 0.5}
-        fixed = {name: value for name, value in fixed.items() if name not in factors}
-        file.write_text(f"title: Some\n{factors}\nfixed: {fixed}\ndataset: {{slabs: {slabs}}}\n", encoding="utf-8")
-        study = load(file)
-        parts = []
-        for index in range(partition.count(study)):
-            dataset.write_slab(study, index, tmp_path / f"{index}.nc")
-            parts.append(read_whole(tmp_path / f"{index}.nc"))
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            style.save(field_panels.fields(parts, coupling.fields(study)), tmp_path / "fields.svg")
-        drawn.add((tmp_path / "fields.svg").read_bytes())
-    assert len(drawn) == 1
+def test_every_section_has_its_template_and_every_template_its_section() -> None:
+    names = {section.name for part in sections.PARTS for section in part.sections}
+    assert names == {file.name.removesuffix(".html.j2") for file in TEMPLATES.glob("*.html.j2")} - SHARED
+
+
+def test_a_study_has_the_figures_of_its_sections_and_each_a_caption() -> None:
+    paper = sections.figures(shipped("paper"))
+    assert paper[0].startswith("effect_")
+    for drawn in sections.drawn():
+        assert len({figure.reads for _, figure in drawn}) == 1
+        for _, figure in drawn:
+            assert (CAPTIONS / f"{figure.kind}.rst").is_file()
+            module, _, function = figure.draw.partition(".")
+            assert callable(getattr(import_module(f"workflow.report.figures.{module}"), function)), figure.draw
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def outlines(text: str) -> list[list[float]]:
+    """Coordinates of the corners of every path."""
+    paths = re.findall(r'\sd="([^"]*)"', text)
+    return [[float(number) for number in re.findall(r"-?\d*\.?\d+", path)] for path in paths]
+
+
+@styled
+def drawn() -> str:
+    figure, axes = plt.subplots(1, 2)
+    x = np.linspace(0, 40, 900)
+    axes[0].plot(x, np.sin(x) * np.exp(-x), label="many steps")
+    axes[0].legend()
+    axes[1].scatter(x[:50], np.cos(x[:50]))
+    axes[1].set_title("of $\\sigma_{xx}$")
+    written = io.StringIO()
+    figure.savefig(written, format="svg")
+    return written.getvalue()
+
+
+def test_a_compact_figure_shows_the_same() -> None:
+    before = drawn()
+    after = compacted(before)
+    assert len(after) < 0.5 * len(before)
+    for old, new in zip(outlines(before), outlines(after), strict=True):
+        np.testing.assert_allclose(new, old, atol=0.008)  # half a hundredth of a point each way
+    texts = [[*ElementTree.fromstring(text).iter(f"{SVG}text")] for text in (before, after)]
+    words = [["".join("".join(element.itertext()).split()) for element in group] for group in texts]
+    assert words[0] == words[1]
+    assert "manysteps" in words[1]
+    clips = [re.findall(r"url\(#([^)]+)\)", text) for text in (before, after)]
+    assert [clips[0].index(element) for element in clips[0]] == [clips[1].index(element) for element in clips[1]]
+    assert {*clips[1], *re.findall(r'href="#([^"]+)"', after)} == set(re.findall(r'id="([^"]+)"', after))
 
 
 def test_the_drawing_of_the_problem_follows_light_and_dark() -> None:

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.textpath import TextPath
 
 from storage.netcdf import read_whole
@@ -119,12 +118,9 @@ def test_a_target_has_a_title_in_words_and_its_name_where_two_ask_the_same() -> 
     assert study.titles == {"sensor": "Largest voltage per load", "actuator": "Largest stroke per volt"}
     titled = actuator.model_copy(update={"title": "Which composite moves most?"})
     extended = study.model_copy(update={"design": {"sensor": sensor, "own_one": titled, "other_one": sensor}})
-    expected = [
-        "Largest voltage per load (sensor)",
-        "Which composite moves most?",
-        "Largest voltage per load (other one)",
-    ]
-    assert list(extended.titles.values()) == expected
+    first, second, third = extended.titles.values()
+    assert (first, third) == ("Largest voltage per load (sensor)", "Largest voltage per load (other one)")
+    assert second == "Which composite moves most?"
 
 
 FILM_CASE: dict[str, float | str] = {
@@ -165,12 +161,6 @@ def test_layers_punches_and_doubts_are_said() -> None:
     assert firstscreen.doubted(shipped("quickstart")) == ""
 
 
-def told_of(totals: list[list[float]], outputs: list[str], inputs: list[str]) -> str:
-    """The sentence of some Sobol' indices, made from the chart under it."""
-    total = xr.DataArray(totals, {"output": outputs, "input": inputs})
-    return sentences.sensitivity(ranked.sensitivities(xr.Dataset({"total": total, "first_order": total / 2}), outputs))
-
-
 def test_the_sentence_about_a_goal_is_that_of_the_chart_under_it(ran: Project) -> None:
     folder = ran.folder / "results/small"
     aims = coupling.aims(load(ran.folder / "config/small.yaml"))
@@ -202,20 +192,6 @@ def test_every_section_says_what_its_numbers_say() -> None:
     assert sentences.checks({"checks": rows}).startswith("1 of 1 checks passed; the largest error is 20 %")
     tried = {"cases": 50, "rows": [{"name": "load", "coverage": 0.96, "width": 0.01, "left": 0.1}]}
     assert all(number in sentences.readout([tried]) for number in ("1 %", "95 %", "96 % of 50 cases"))
-
-
-def test_what_a_goal_depends_on_is_told_of_every_goal_and_category() -> None:
-    outputs = ["charge_per_force[rigid]", "charge_per_force[steel]", "voltage[rigid]", "voltage[steel]"]
-    totals = [[0.95, 0.1, 0.0], [0.97, 0.1, 0.0], [0.1, 0.9, 0.2], [0.1, 0.2, 0.8]]
-    inputs = ["volume_fraction", "load", "radius"]
-    assert told_of(totals, outputs, inputs) == (
-        "Charge per force (95 to 97 %) depends most on volume fraction; voltage of rigid (90 %) depends most on load; "
-        "voltage of steel (80 %) depends most on radius (shares of the variance over the ranges, with interactions)."
-    )
-    sensor = shipped("film_sensor")
-    goals = {name for target in sensor.design.values() for goal in target.objectives
-             for name in goal.expression.names()}  # fmt: skip
-    assert {name.partition("[")[0] for name in coupling.aims(sensor)} == goals & set(sensor.outputs)
 
 
 def test_the_strongest_factor_is_that_of_the_widest_span_of_the_table() -> None:

@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from jinja2 import Environment, FileSystemLoader
 
@@ -21,7 +20,6 @@ from tests.workflow.report.browser import in_node, needs_browser, needs_node, op
 from workflow.dataset import factorial
 from workflow.design.search import targets
 from workflow.design.verdict import netcdf
-from workflow.language import statements
 from workflow.language.titles import title
 from workflow.report import page as reporting
 from workflow.report import whatif
@@ -122,8 +120,6 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     assert first["page first"] == "Largest stroke per volt is not reachable (1 of 2 targets)."
     beyond = "beyond linear theory; otherwise recommended within the model; a tilt of "
     assert first["sensor verdict"].startswith(beyond)
-    assert re.fullmatch(r"Fibrous, [\d.]+ % BaTiO3, a half-plane; R = .*", first["sensor build"])
-    assert first["sensor does"].startswith("Voltage per load (ground 1 m away) ")
     assert "50 MPa" in first["sensor stops"]
     assert first["sensor beyond"].startswith("Tension behind the contact of 50 MPa exceeds the tensile strength of ")
     assert first["impossible verdict"] == "not reachable"
@@ -132,8 +128,7 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
     assert all(seen["first"][f"{target} {name}"]["low"] < 800 for target in targets for name in names)
     text = str(seen["text"]).replace("\N{NO-BREAK SPACE}", " ")
     assert "Left out of the model: a tilt of 100 µrad raises the largest pressure " in text
-    for word in ("A small study", "640", "91.7 MPa", "1 MPa: 9070 % beyond the limit", "91.8 MPa", "broken"):
-        assert word in text, word
+    assert "1 MPa: 9070 % beyond the limit" in text
     assert seen["shut"] == [False] * 3  # evidence is a line of verdict until it is opened
     assert seen["lines"][0].startswith("Surrogate ")
     assert "0.001 is met" in seen["lines"][0]
@@ -187,31 +182,21 @@ const told = data.cases.map((target, k) => {
             assert [beyond > 0 for beyond in cell["limits"]] == [limit.broken for limit in limits]
 
 
-@pytest.mark.parametrize(
-    ("limit", "judged"),
-    [("trailing_tension <= 50 MPa", True), ("trailing_tension <= 50 MPa with probability 0.9", False),
-     ("deviation(voltage_per_load) <= 5 %", False)],
-)  # fmt: skip
-def test_the_page_knows_which_limits_a_point_decides(ran: Project, limit: str, judged: bool) -> None:
-    config = load(ran.folder / "config/small.yaml")
-    changed = {"worst_case": {}, "uncertain": {"friction": {"normal": [0.2, 0.03]}}, "subject_to": [limit]}
-    changed |= {"tolerance": {"radius": "5 %"}}
-    target = Target.model_validate(config.design["sensor"].model_dump() | changed)
-    answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
-    goal, first, *_ = answer.terms
-    answer = replace(answer, terms=(goal, replace(first, statement=statements.limit(limit))))
-    folder, model = ran.folder / "results/small", surrogate.load(ran.folder / "results/small/surrogate.nc")
-    quantities = read_whole(folder / "quantities.nc")
-    content = whatif.content(config.model_copy(update={"design": {"one": target}}), model, quantities, [answer])
+def test_the_page_knows_which_limits_a_point_decides(ran: Project) -> None:
+    config, folder = load(ran.folder / "config/small.yaml"), ran.folder / "results/small"
+    texts = ["trailing_tension <= 50 MPa", "trailing_tension <= 50 MPa with probability 0.9"]
+    texts += ["deviation(voltage_per_load) <= 5 %"]
+    changed = {"worst_case": {}, "uncertain": {"friction": {"normal": [0.2, 0.03]}}, "subject_to": texts}
+    target = Target.model_validate(config.design["sensor"].model_dump() | changed | {"tolerance": {"radius": "5 %"}})
+    answer = netcdf.read(folder / "design/sensor.nc")
+    limits = [replace(answer.terms[1], statement=limit) for limit in target.limits]
+    answer = replace(answer, terms=(answer.terms[0], *limits))
+    study = config.model_copy(update={"design": {"one": target}})
+    model, quantities = surrogate.load(folder / "surrogate.nc"), read_whole(folder / "quantities.nc")
+    content = whatif.content(study, model, quantities, [answer])
     assert content is not None
     (case,) = content["cases"]
-    assert case["over"] == "friction 0.11 to 0.29 and the tolerances of radius"
-    assert case["tolerances"] == {"radius": [0.0, 0.05]}
-    built = list(zip(case["scenarios"]["friction"], case["offsets"]["radius"], strict=True))
-    assert len(set(built)) == case["count"] == 21
-    few = sorted(built[k] for k in case["few"])
-    np.testing.assert_allclose(few, [(0.11, -1), (0.11, 1), (0.29, -1), (0.29, 1)])
-    assert [limit["judged"] for limit in case["limits"]] == [judged]
+    assert [limit["judged"] for limit in case["limits"]] == [True, False, False]
 
 
 #: A study whose punch and composite are chosen from lists.
@@ -220,11 +205,11 @@ title: A choice
 fixed: {friction: 0.2, load: 1e4}
 categories: {composite: [fibrous, laminate], profile: [cylinder, half_cylinder]}
 factors:
-  volume_fraction: {low: 0.5, high: 0.7, levels: 6}
+  volume_fraction: {low: 0.5, high: 0.7, levels: 4}
   radius: {low: 0.02, high: 0.2, levels: 4, scale: log}
 dataset: {slabs: 2, positions: {inside: 12, outside: 8}}
 surrogate: {outputs: [voltage_per_load, trailing_tension]}
-validation: {cases: 200, calibration: 400, tolerance: 1e-2}
+validation: {cases: 50, calibration: 100, tolerance: 1e-2}
 design:
   best:
     maximise: abs(voltage_per_load)

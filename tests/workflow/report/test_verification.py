@@ -2,12 +2,8 @@
 
 import json
 import re
-from pathlib import Path
-
-import pytest
 
 from tests.workflow.conftest import Copy, Project
-from workflow.report.verification import RedError, verdict
 
 FEW, DRAWN = ("limits", "films"), ("films",)
 GROUPS = len(FEW)
@@ -64,18 +60,3 @@ def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
     assert f"0 of {GROUPS}" in page
     assert page.count('<td class="bad">red</td>') == GROUPS
     assert not (results / "verdict.txt").exists()
-
-
-@pytest.mark.parametrize(
-    ("checks", "message"),
-    [
-        ([{"name": "a", "error": None, "tolerance": 1.0, "passed": False}], r"1 of 1 checks are red: a \(None > 1.0\)"),
-        ([], "0 of 0"),
-    ],
-)
-def test_an_error_that_is_no_number_and_no_check_at_all_are_red(
-    checks: list[dict[str, object]], message: str, tmp_path: Path
-) -> None:
-    (tmp_path / "group.json").write_text(json.dumps({"checks": checks}), encoding="utf-8")
-    with pytest.raises(RedError, match=message):
-        verdict([tmp_path / "group.json"])

@@ -83,10 +83,3 @@ def test_results_without_locks_are_named_in_one_line(disk: Path, monkeypatch: py
     monkeypatch.setattr(fcntl, "flock", none)
     with pytest.raises(OSError, match=r"No locks available: 'results/tiny/\.running'"):
         running.claim({"tiny": {}})
-
-
-def test_sweeping_leaves_what_is_whole(tmp_path: Path) -> None:
-    for name in (".slab_0.nc.x.partial", "slab_0.nc", "slab_1.nc", ".hidden"):
-        (tmp_path / name).touch()
-    running.sweep(tmp_path, [tmp_path / "slab_1.nc", tmp_path / "absent.nc"])
-    assert {file.name for file in tmp_path.iterdir()} == {"slab_0.nc", ".hidden"}
