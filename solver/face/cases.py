@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, stack
 from solver.body import Kind
-from solver.cache import trim_after_call
+from solver.cache import trim_at_times
 from solver.described import Described, Outline
 from solver.face.attributes import attributes, of_output
 from solver.face.factorvalues import FactorValues
@@ -208,7 +208,7 @@ class Cases(FactorValues):
             with one_thread():
                 return self._by_kind(part).assign_attrs(attributes(title, self, self.phases))
         finally:
-            trim_after_call()
+            trim_at_times()
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
         """The part of each profile, corner, surroundings and body, put together along what they vary on."""

@@ -53,7 +53,6 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
     assert datum.hanging(steel) == hangs == datum.hanging(study)
     charged = steel.model_copy(update={"fixed": {**steel.fixed, "magnetic_charge": 1e-4}})
     assert datum.hanging(charged) == {*hangs, "magnetic_potential"}
-    assert datum.meaning("voltage", datum.hanging(study)) == "electric potential of the punch"
     assert datum.meaning("depth", datum.hanging(study)) == "indentation depth relative to the datum"
 
 
