@@ -229,7 +229,7 @@ def airless(case: Mapping[str, object]) -> str:
         return case.get(name, names.CHOICES[name][0])
 
     if of("magnetic") == "insulating" and (of("electric") == "insulating" or _metallic(case)):
-        return "its punch conducts no field, so that no charge lies beside it"
+        return "the punch conducts no field, so that no charge lies beside it"
     if of("electrode") != names.CHOICES["electrode"][0]:
         return "the electrode on its film lies below the punch"
     if ({*names.OF_AN_ELECTRODE} - {"electrode"}) & case.keys():

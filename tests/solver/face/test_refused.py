@@ -81,7 +81,7 @@ REFUSED: dict[str, Case] = {
     "speed: 1 m/s of what is no half-plane without air": FILM | {"speed": 1.0},
     # what is beside the contact
     "surroundings: 'water' is not one of insulated, air": LINE | {"surroundings": "water"},
-    "surroundings: 'air' is not allowed: its punch conducts no field": LINE | AIR | {
+    "surroundings: 'air' is not allowed: the punch conducts no field": LINE | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
     "surroundings: 'air' is not allowed: no narrow gap with an end": PRESSED | AIR | {"profile": "flat", "width": 1e-3},
@@ -93,7 +93,7 @@ REFUSED: dict[str, Case] = {
     },
     "speed: 3000 m/s is not below the limiting speed 2903.13 m/s": LINE | {"material": "steel", "speed": [0.0, 3e3]},
     "speed: needs the density rho": LINE | {"material": solver.Material.isotropic(2e11, 0.3), "speed": 1.0},
-    "surroundings: 'air' is not allowed: its punch conducts no fiel": BALL | AIR | {
+    "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
     "surroundings: 'air' is not allowed: no narrow gap with an en": without(BALL, "radius") | AIR | {
