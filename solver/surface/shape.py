@@ -18,7 +18,7 @@ _LEAST_POINTS = 4  # a side of a height map: those of a cubic spline
 _MOST_POINTS = 4096  # a side of a height map: 134 MB
 _WAVES = 400  # of a rough surface: the root mean square of its heights in a contact then scatters as that of a real one
 _HURST = 0.8  # of polished and ground surfaces
-_SMOOTH = 1e3  # height over the roughness beyond which waves change no charge: by 1e-6, its inverse square
+_SMOOTH = 1e4  # height over the roughness beyond which waves change no charge: by 1e-8, its inverse square
 
 
 @dataclass(frozen=True, eq=False)
