@@ -156,7 +156,9 @@ def test_one_measurement_in_all_its_forms(text: str, command: Command) -> None:
         ("-519+-0%", "'0%' is not a positive number with a unit"),
         ("-519+--5", "'-5' is not a positive number with a unit"),
         ("nan+-1%", "--measured: voltage"),
-        ("519+-1%", "no case within the study's ranges gives these measurements"),
+        ("519+-1%", "voltage would fit with the opposite sign"),
+        ("-519uV+-1%", "voltage would fit with a factor of 1e+06"),
+        ("519mV+-1%", "voltage would fit with the opposite sign and a factor of 1000"),
     ],
 )
 def test_what_is_none_is_refused_in_one_line(text: str, says: str, command: Command) -> None:

@@ -108,6 +108,7 @@ COMMANDS = [
     ("solve --at material=my.yaml,radius=5mm,load=1", "; an own one: --materials FILE.yaml"),
     ("solve --at 'material=PZT-4 radius=5 mm'", "two equal signs; commas stand between NAME=VALUE"),
     ("solve --at material=PZT-4,radius=5mm,lod=1", "did you mean 'load'?"),
+    ("solve --at 'material=PZT-4,profile=sphere,radius=5 mm,force=1000'", "did you mean 1000 mN?"),
     ("solve --at 'material=PZT-4,radius=5mm,load=1 N/m' --positions 0", "fields need -o"),
     # points of a surrogate
     ("query surrogate.nc --at radius=0.3,friction=0.1", "radius = 0.3 is outside the trained box [0.01, 0.2] m"),
@@ -128,11 +129,14 @@ COMMANDS = [
     (f"{AMPLIFIED} --on material=BaTiO3,radius=1", "electrode_length: missing"),
 ]  # fmt: skip
 
+MISSING = ("NA", "nan", "null", "-", "\u2013", "?", "-9999")
+
 #: Tables of cases, of points and of forces over time, and material files: what stands in `bad`, and the reason.
 CASES = [
-    (b"", "bad: needs a header of factor names and at least one case"),
-    (b"0.05,1e5\n", "column '0.05': unknown factor"),
-    (b"radius [mm,load\n1,1\n", "column 'radius [mm': unknown factor"),
+    (b"", "bad: is empty: needs a header of factor names and at least one case"),
+    (b"0.05,1e5\n", "has no header"),
+    (b"My table\nradius,load\n0.05,1e5\n", "the header is line 2"),
+    (b"radius [mm,load\n1,1\n", "column 'radius': '[mm' is not a unit"),
     (b"radius [Pa]\n1\n", "column 'radius': unit mismatch: 'Pa' does not measure what 'm' measures"),
     (b"radius [m],radius [mm]\n1,1\n", "column 'radius': given twice"),
     (b"material [1]\nsteel\n", "column 'material': holds names, which have no unit"),
@@ -150,15 +154,18 @@ CASES = [
     (b"load\n1" + b"," * 60_000 + b"1\n", "line 2: 60001 cells, the header has 1"),
     (b"load\n" + b"1\n" * 21, "line 22: more than 20 cases; split the table"),
     (b"load\n" + b"\n" * 90, "more than 80 lines"),
-    (b"PK\x03\x04\x14\x00", "is no text file"),
-    (b"load\n1e5\nNA\n", "line 3: load: 'NA' is not a finite number > 0"),
+    (b"PK\x03\x04\x14\x00", "is a workbook (Excel .xlsx"),
+    (b"<!DOCTYPE html><table>", "is a page of HTML"),
+    *((f"load\n1e5\n{word}\n".encode(), f"line 3: load: {word!r} stands for a missing value") for word in MISSING),
+    (b"material\nPZT-4\nn.a.\n", "line 3: material: 'n.a.' stands for a missing value"),
     (b"radius\n\x00\x01\x02", "is no text file"),
-    (b"radius\n\x81\x8d\n", "not a CSV table in UTF-8"),
-    (b"radius|load\n1|2\n", "column 'radius|load': unknown factor"),
-    (b"radius,load\n0,05,1e5\n", "3 cells, the header has 2 (columns are separated by commas)"),
-    (b'radius,load\n"0,05",1e5\n', "'0,05': the decimal mark of this table is '.'; do not group digits"),
-    (b"radius;load\n1.000,5;1e5\n", "do not group digits"),
-    (b"radius;load\n1,5;1.000\n", "the decimal mark of this table is ','"),
+    (b"radius\n\x81\x8d\n", "encoding: is neither UTF-8 nor UTF-16"),
+    (b"radius|load\n1|2\n", "separator: columns are separated by '|'"),
+    (b"radius,load\n0,05,1e5\n", "3 cells, the header has 2; a decimal comma?"),
+    (b'radius,load\n"0,05",1e5\n', "has a decimal comma in a table with commas"),
+    (b"radius;load\n1.000,5;1e5\n", "groups its digits"),
+    (b"radius;load\n1,5;1.000\n", "'1.000' may group its digits"),
+    ("radius [mm]\n5 ± 0.1\n".encode(), "has an error behind it"),
     (b"radius\n50\n", "50 is 50 m; did you mean 50 mm?"),
     (b"base_modulus\n200\n", "200 is 200 Pa; did you mean 200 GPa?"),
     # a row at fault, by its line
@@ -182,7 +189,7 @@ HISTORIES = [
      "line 4: time: 1 is not after 1, from 295 to 306 K: no temperature jumps without time"),
     ("time [s],force [N],temperature [degC]\n0,0,22\n1,1,-300\n", "line 3: temperature: -26.85 K is not a finite"),
     ("time [s],force [N],temperature [K],temperature [degC]\n0,0,295,22\n1,1,306,33\n",
-     "temperature [degC]: stands beside another temperature; must be the only one"),
+     "column 'temperature': given twice"),
     ("time [s],force [N]\n0,1\n1,-1\n", "line 3: force: -1 is not a finite number >= 0; subtract"),
     ("time [s],force [N]\n0,0\n1,0\n", "is 0 all the time"),
     ("time [m],force [N]\n0,0\n1,1\n", "unit mismatch: 'm' does not measure"),

@@ -43,8 +43,12 @@ def test_a_long_cell_does_not_widen_its_column(command: Command) -> None:
 HEADERS = [
     "thickness [um],force [N]",
     "thickness (um),force (N)",
+    '"thickness, um","force, N"',
     "thickness / um,force / N",
     "thickness_um,force_N",
+    "thickness in um,force in N",
+    "thickness um,force N",
+    "sep=,\nthickness [μm],force",
     "Thickness [µm],Force [N]",
     "thickness,force\num,N",
     "thickness,force\n[um],[N]",
@@ -79,7 +83,7 @@ def test_quotes_blanks_and_lines_of_other_programs_are_read(tmp_path: Path) -> N
     assert table.empty("radius").tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
 @pytest.mark.parametrize(("separator", "mark"), [(";", ","), ("\t", ","), (";", "."), ("\t", "."), (",", ".")])
 def test_tables_of_spreadsheets_are_read(encoding: str, separator: str, mark: str, tmp_path: Path) -> None:
     rows = [["material", "thickness [µm]", "radius"], ["PZT-4", f"20{mark}5", f'"{mark}05"'], ["", "", f"5{mark}5 mm"]]

@@ -42,6 +42,7 @@ effects: {baseline: {material: PZT-4, radius: 0.05, load: 1e5}, vary: {friction:
 REFUSED: list[tuple[str, str, str, str]] = [
     # keys, factors, questions
     (BOX, "high: 0.6", "hihg: 0.6", "factors.friction.hihg: unknown key; did you mean 'high'? allowed: low, high,"),
+    (BOX, "high: 0.6", "high: 0.6, kinks: [0.3]", "factors.friction.kinks: was removed in 0.3.0; leave it out"),
     (BOX, "levels: 5", "levels: 5.5", "factors.friction.levels: 5.5: input should be a valid integer"),
     (BOX, "high: 0.6", "high: .nan", "factors.friction.high: nan: input should be a finite number"),
     (BOX, "low: 0.0, high: 0.6", "low: 0.7, high: 0.6", "factors.friction: low = 0.7 must be below high = 0.6"),
@@ -124,7 +125,7 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (TAXEL, "base: FR4", "base: rigid",
      "have no 'heat_time'; heat: not known for the base 'rigid': conductivity; name"),
     (TAXEL, "charge_noise: 1 fC", "feedback_resistance: 1 TOhm\n    charge_noise: 1 fC",
-     "device: amplifier: feedback_resistance: 1e+12 is beside one of the factors; give one of them"),
+     "device: amplifier: feedback_resistance: 1 TOhm is beside one of the factors; give one of them"),
     # points
     (BALL, "{amplifier:", "{electrode_length: 10 mm, amplifier:",
      "device: electrode_length: a point contact has none: its forces and charges are whole"),
