@@ -1,7 +1,7 @@
 """Results that the solver keeps between calls: the most recently used ones, together below a bound in bytes.
 
-The size of a result is added when it is stored. A table fills itself when it is read, so that the sizes of all results
-are summed anew where they are beyond the bound, and from time to time: for at most 2 % of the time.
+A table fills itself when it is read, so that the sizes of all results are summed anew from time to time, for at most
+2 % of the time: when a result is stored and after a call of the solver.
 """
 
 from collections import OrderedDict
@@ -23,12 +23,9 @@ _R = TypeVar("_R")
 _NO_DATA = (type, ModuleType, FunctionType, BuiltinFunctionType, MethodType)
 _OBJECT = 100  # bytes of an object that is no array, with its share of dictionaries
 _APART = 50  # durations of a sum that pass before the next one: tables fill more slowly
-_LEFT = 0.75  # of the bound, after it was passed: else every further result would be followed by a sum
 
 _lock = RLock()
 _results: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()  # arguments and result, the oldest first
-_total = 0.0  # bytes of all results: those of the last sum, and of what was stored since
-_counted: set[int] = set()  # identities of the objects in this total
 _used = False  # whether a result was read or stored since the last sum: tables fill themselves
 _next = 0.0  # processor time of the next sum [s]
 
@@ -55,7 +52,7 @@ class Cached(Generic[_P, _R]):
         with _lock:
             self.misses += 1
             _results[key] = (key, result)
-            _count(key)
+            trim_at_times()
         return result
 
     def clear(self) -> None:
@@ -72,43 +69,31 @@ def cached(function: Callable[_P, _R]) -> Cached[_P, _R]:
     return Cached(function)
 
 
-def _count(key: tuple[Any, ...]) -> None:
-    global _total
-    size, objects = _size(_results[key], _counted)
-    _total += size
-    _counted.update(objects)
-    if _total > LARGEST:
-        trim(_LEFT * LARGEST)
-    elif process_time() >= _next:
-        trim()
-
-
-def trim_after_call() -> None:
-    """Drop what is beyond the bound, if calls of the solver since the last sum have read or stored any result."""
+def trim_at_times() -> None:
+    """Drop what is beyond the bound, if any result was read or stored since a sum that was long ago."""
     if _used and process_time() >= _next:
         trim()
 
 
-def trim(bound: float = np.inf) -> float:
-    """Drop the least recently used results beyond a bound, the largest if none is stated; bytes of those that stay."""
-    global _total, _counted, _used, _next
+def trim() -> float:
+    """Drop the least recently used results beyond the bound; bytes of those that stay."""
+    global _used, _next
     start = process_time()
     with _lock:
-        _used = False
-        _total, _counted, dropped = 0.0, set(), False
+        _used, total, counted, dropped = False, 0.0, set[int](), False
         for number, (key, entry) in enumerate(reversed(list(_results.items()))):
-            size, objects = _size(entry, _counted)
-            if number and _total + size > min(bound, LARGEST):  # the newest result is in use, whatever its size
+            size, objects = _size(entry, counted)
+            if number and total + size > LARGEST:  # the newest result is in use, whatever its size
                 del _results[key]
                 dropped = True
             else:
-                _total += size
-                _counted |= objects
+                total += size
+                counted |= objects
         end = process_time()
         _next = end + _APART * (end - start)
     if dropped:
         _return_memory()(0)
-    return _total
+    return total
 
 
 @cache

@@ -22,7 +22,7 @@ VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m (CODATA 2022)
 VACUUM_PERMEABILITY = 1.25663706127e-6  # N s2/C2
 BOLTZMANN = 1.380649e-23  # J/K, exact since 2019
 FREEZING = 273.15  # K, zero of the Celsius scale
-_CELSIUS = ("degC", "°C", "℃")
+CELSIUS = ("degC", "°C", "℃")
 _ALONE = {  # no prefix
     "%": (1e-2, (0, 0, 0, 0, 0)),
     "ppm": (1e-6, (0, 0, 0, 0, 0)),
@@ -200,7 +200,7 @@ def in_si(text: str, units: str) -> float:
         return float(read)
     if match is None:
         raise ValueError(f"{text[:_LONGEST]!r} is not a finite number [{units}], nor one with its unit")
-    if units == "K" and match[2].strip() in _CELSIUS:
+    if units == "K" and match[2].strip() in CELSIUS:
         return float(Decimal(match[1]) + Decimal(str(FREEZING)))
     unit = parse(match[2])
     if not unit.fits(parse(units)):

@@ -83,9 +83,8 @@ def _hertz() -> float:
     solved = solver.solve(_BARE | _BALL, r)
     a = (3 * _BARE["force"] * _BALL["radius"] / (4 * _PLANE)) ** (1 / 3)
     p0 = 3 * _BARE["force"] / (2 * np.pi * a**2)
-    numbers = off_each(
-        [solved["contact_radius"], solved["depth"], solved["peak_pressure"]], [a, a**2 / _BALL["radius"], p0]
-    )
+    names = ("contact_radius", "depth", "peak_pressure")
+    numbers = off_each([solved[name] for name in names], [a, a**2 / _BALL["radius"], p0])
     return max(numbers, off(solved["contact_pressure"], p0 * np.sqrt(1 - r**2)))
 
 
@@ -151,9 +150,8 @@ def _hayes() -> float:
     """Largest relative error of the stiffness of discs of 0.2 to 2 thicknesses."""
     ratios = np.array([0.2, 0.4, 1.0, 2.0])
     discs = _BARE | _DISC | {"thickness": 1e-3, "base": "rigid", "force": 1.0, "width": 2e-3 * ratios}
-    return off_each(
-        solver.solve(discs)["contact_stiffness"] / (_PLANE * discs["width"]), [hayes(_POISSON, r) for r in ratios]
-    )
+    stiffness = solver.solve(discs)["contact_stiffness"] / (_PLANE * discs["width"])
+    return off_each(stiffness, [hayes(_POISSON, ratio) for ratio in ratios])
 
 
 def hayes(poisson: float, ratio: float, points: int = 80) -> float:

@@ -29,7 +29,7 @@ _OUTPUT_DIMS = ("position", "x", "y")
 def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyType({})) -> dict[str, xr.DataArray]:
     """Factors as arrays with dimensions, every name known and every value allowed.
 
-    Cut crystals among a user's materials stand in place of their names, since they decide the kind of a contact.
+    Cut crystals and metals among a user's materials stand in place of their names: they decide the kind of a contact.
     """
     values_of = by_name(factors)
     known = (*MATERIALS, *CHOICES, *FACTORS, BODY, HEIGHT_MAP)
@@ -43,7 +43,7 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
             raise FactorError(f"{name}: unknown factor; {hint}")
         array = _array(str(name), value)
         if name in MATERIALS:
-            array = _with_cuts(array, materials)
+            array = _with_deciding(array, materials)
         if name in FACTORS:
             _check_modulus(str(name), array)
             array = _number(str(name), _in_si(str(name), array))
@@ -64,14 +64,14 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
     return arrays
 
 
-def _with_cuts(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
-    """Materials with cut crystals of the user in place of their names."""
-    cut = {name: material for name, material in materials.items() if not material.axial}
-    if not cut or array.dtype.kind not in "OU":
+def _with_deciding(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
+    """Materials with cut crystals and metals of the user in place of their names."""
+    deciding = {name: m for name, m in materials.items() if not m.axial or np.any(m.conductor)}
+    if not deciding or array.dtype.kind not in "OU":
         return array
     cells = np.empty(array.shape, dtype=object)
     for place, value in np.ndenumerate(array.values):
-        cells[place] = cut.get(str(value), value) if isinstance(value, str) else value
+        cells[place] = deciding.get(str(value), value) if isinstance(value, str) else value
     return array.copy(data=cells)
 
 

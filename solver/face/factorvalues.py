@@ -120,15 +120,21 @@ def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     )
     if not opened:
         return dict(arrays)
+    which, cases = distinct_cases(arrays)
+    names = [str(case.get("surroundings") or around(case)) for case in cases]
+    chosen = which.copy(data=np.array(names)[which.values])
+    return {**arrays, "surroundings": chosen if len({*names}) > 1 else chosen[(0,) * chosen.ndim]}
+
+
+def distinct_cases(arrays: Mapping[str, xr.DataArray]) -> tuple[xr.DataArray, list[dict[str, Any]]]:
+    """Number of each case among the distinct ones, as far as their surroundings ask, and these by their factors."""
     read = {name: _labels(arrays[name], name in _THERE) for name in (*_READ, *_THERE) if name in arrays}
-    cases = xr.broadcast(*read.values())
-    around_of: dict[tuple[Any, ...], str] = {}
-    for values in (rows := list(zip(*(labels.values.flat for labels in cases), strict=True))):
-        if values not in around_of:
-            case = {name: value for name, value in zip(read, values, strict=True) if not absent(value)}
-            around_of[values] = str(case.get("surroundings") or around(case))
-    chosen = xr.DataArray(np.reshape([around_of[values] for values in rows], cases[0].shape), dims=cases[0].dims)
-    return {**arrays, "surroundings": chosen if len({*around_of.values()}) > 1 else chosen[(0,) * chosen.ndim]}
+    labels = xr.broadcast(*read.values())
+    rows = list(zip(*(array.values.flat for array in labels), strict=True))
+    number = {row: place for place, row in enumerate(dict.fromkeys(rows))}
+    which = xr.DataArray(np.reshape([number[row] for row in rows], labels[0].shape), dims=labels[0].dims)
+    named = (zip(read, row, strict=True) for row in number)
+    return which, [{name: value for name, value in case if not absent(value)} for case in named]
 
 
 def _labels(array: xr.DataArray, only_presence: bool) -> xr.DataArray:

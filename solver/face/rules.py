@@ -3,9 +3,9 @@
 import numpy as np
 
 from solver.arrays import shown
-from solver.body import KINDS
+from solver.body import KINDS, airless
 from solver.described import Contact
-from solver.face.factorvalues import IN_SPACE, POINTED, FactorValues, absent
+from solver.face.factorvalues import IN_SPACE, POINTED, FactorValues, absent, distinct_cases
 from solver.face.refusal import FactorError
 from solver.halfplane.profile import Profile
 from solver.material.constants import Material
@@ -62,6 +62,7 @@ def check_surrounded(cases: FactorValues) -> None:
     """Check the gaps, electrodes and heat of cases whose surroundings are settled."""
     _check_gaps(cases)
     _check_electrodes(cases)
+    _check_air(cases)
     _check_heat(cases)
 
 
@@ -247,6 +248,15 @@ def _check_electrodes(cases: FactorValues) -> None:
     cases.refuse("patch", cases.among("patch", "disc") & lines, "below a contact along a line; must be strip")
     touching = cases.number("patch_pitch") <= cases.number("patch_size")
     cases.refuse("patch_pitch", touching, "is not more than patch_size: a patch would touch its neighbour")
+
+
+def _check_air(cases: FactorValues) -> None:
+    """Charge crosses a gap beside every contact with air, but for those in space."""
+    if not np.any(cases.among("surroundings", AIR) & ~cases.space):
+        return
+    for case in distinct_cases(cases.arrays)[1]:
+        if case["surroundings"] == AIR and (why := airless(case)):
+            raise FactorError(f"surroundings: 'air' is not allowed: {why}; must be insulated")
 
 
 def _check_heat(cases: FactorValues) -> None:

@@ -135,7 +135,7 @@ def solve(
     arrays = checked(factors, materials)
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
-    X = None if positions is None else _positions(positions)
+    X = None if positions is None else _places("positions", positions)
     requested = None if outputs is None else _known("outputs", outputs, ALL_QUANTITIES)
     searched = frozenset(ALL_PEAKS if peaks else ()) if isinstance(peaks, bool) else _known("peaks", peaks, ALL_PEAKS)
     if requested is not None:
@@ -208,21 +208,21 @@ def _known(option: str, names: Collection[str], known: Collection[str]) -> froze
     names = [names] if isinstance(names, str) else names
     for name in names:
         if name not in known:
-            raise FactorError(f"{option}: {name!r} is unknown; known are {', '.join(known)}")
+            raise FactorError(f"{option}: {name!r} is not one of {', '.join(known)}")
     return frozenset(names)
 
 
-def _positions(positions: Iterable[float]) -> Array:
-    X = np.empty(())
+def _places(name: str, values: Iterable[float]) -> Array:
+    """Finite numbers of an axis of the outputs; (place,)."""
+    places = np.empty(())
     with suppress(TypeError, ValueError):
-        positions = unmasked(positions)
-        X = np.asarray(positions if isinstance(positions, np.ndarray) else list(positions), dtype=np.float64)
-    if X.ndim != 1 or not X.size:
-        raise FactorError("positions: not a list of at least one number")
-    bad = X[~np.isfinite(X)]
-    if bad.size:
-        raise FactorError(f"positions: {bad[0]:g} is not allowed; any finite X")
-    return X
+        values = unmasked(values)
+        places = np.asarray(values if isinstance(values, np.ndarray) else list(values), dtype=np.float64)
+    if places.ndim != 1 or not places.size:
+        raise FactorError(f"{name}: not a list of at least one number")
+    if (bad := places[~np.isfinite(places)]).size:
+        raise FactorError(f"{name}: {bad[0]:g} is not allowed; any finite number")
+    return places
 
 
 _ALONG_X = {"units": "1", "long_name": "position (x - c)/h along the surface"}
@@ -276,10 +276,10 @@ def solve_interior(
         alike = partial(solve_interior, fields=fields, materials=materials, phases=phases)
         return solved_by_kind(parts, lambda part: alike(part, x, y))
     cases = Cases(checked(factors, materials), materials, phases)
-    grid_x, grid_y = _grid(x, y)
-    for name in fields or ():
-        if name not in EVERY_INTERIOR:
-            raise FactorError(f"fields: {name!r} is not one of {', '.join(EVERY_INTERIOR)}")
+    grid_x, grid_y = _places("x", x), _places("y", y)
+    if np.any(grid_y > 0):
+        raise FactorError(f"y: {grid_y.max():g} is above the surface; y/h must be <= 0")
+    _known("fields", fields or (), EVERY_INTERIOR)
     edges = (grid_y == 0)[:, None] & (np.abs(grid_x) == 1)  # where fields are infinite or jump
     axes = {"y": xr.Variable("y", grid_y, _ALONG_Y), "x": xr.Variable("x", grid_x, _ALONG_X)}
 
@@ -293,21 +293,6 @@ def solve_interior(
         return xr.Dataset(outputs, cases.coordinates | axes)
 
     return cases.solved("exact fields inside a magneto-electro-elastic half-plane below a punch", part)
-
-
-def _grid(x: Iterable[float], y: Iterable[float]) -> tuple[Array, Array]:
-    """Checked grid lines."""
-    lines = []
-    for name, values in (("x", x), ("y", y)):
-        line = np.empty(())
-        with suppress(TypeError, ValueError):
-            line = np.asarray(list(unmasked(values)), dtype=np.float64)
-        if line.ndim != 1 or not line.size or not np.all(np.isfinite(line)):
-            raise FactorError(f"{name}: not a list of at least one finite number")
-        lines.append(line)
-    if np.any(lines[1] > 0):
-        raise FactorError(f"y: {lines[1].max():g} is above the surface; y/h must be <= 0")
-    return lines[0], lines[1]
 
 
 def solve_curves(
@@ -352,9 +337,7 @@ def solve_curves(
     if parts := of_kinds(factors):
         return solved_by_kind(parts, lambda part: solve_curves(part, regions, materials=materials, phases=phases))
     cases = Cases(checked(factors, materials), materials, phases)
-    for name in regions:
-        if name not in REGIONS:
-            raise FactorError(f"regions: {name!r} is not one of {', '.join(REGIONS)}")
+    _known("regions", regions, REGIONS)
 
     def part(cases: Cases) -> xr.Dataset:
         body, coordinates = body_of(cases), cases.coordinates

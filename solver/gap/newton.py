@@ -23,7 +23,7 @@ from approximation.arrays import Indices
 from approximation.chebyshev import coefficients
 from approximation.piecewise import Interval
 from solver.arrays import Array, BoolArray
-from solver.gap.refusal import GapError
+from solver.halfplane.pressing import ContactError
 
 
 @dataclass(frozen=True, eq=False)
@@ -398,13 +398,13 @@ class Settled(Generic[_State]):
         states, frame = self.states, self.states.frame
         for case in np.flatnonzero(~self.valid).tolist():
             if not self.converged[case]:
-                raise GapError(
+                raise ContactError(
                     f"surroundings: no contact with air beside it is found for this {frame.load} and these charges"
                 )
             names = [name for name, zero in zip(("voltage", "magnetic potential"), states.held, strict=False) if zero]
             held = f", where its {' and '.join(names)} is 0" if names else ""
             place = frame.places[int(np.argmin(states.gap[case] / states.terms.reference[case]))]
-            raise GapError(
+            raise ContactError(
                 f"surroundings: the punch touches the surface beside the contact, at {frame.coordinate} = {place:.3g}"
                 f"{held}: the gap is negative there; must be insulated"
             )

@@ -16,7 +16,7 @@ from solver.arrays import Array
 from solver.gap.densities import enough, far, sampled
 from solver.gap.grid import CLOSE, GROWING, LEVEL, Grid, gauss
 from solver.gap.newton import SplitOutputs
-from solver.gap.refusal import GapError
+from solver.halfplane.pressing import ContactError
 from solver.line import outputs
 from solver.line.basis import Basis
 from solver.line.contact import FilmContact
@@ -331,7 +331,7 @@ class AirTable:
             * (operators.system.causes + len(operators.system.fields) * operators.density_nodes)
         )
         if size > _LARGEST:
-            raise GapError(
+            raise ContactError(
                 "surroundings: charges spread so far beside the contact that their table would take "
                 f"{size / 1e9:.3g} GB; at most {_LARGEST / 1e9:g} GB; must be insulated"
             )

@@ -13,7 +13,6 @@ from solver.gap.airpoint import PointStates
 from solver.gap.grid import peak_of_panels
 from solver.gap.newton import Frame, Settled, continued, settled, together
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
-from solver.gap.refusal import lacking_at_point, require
 from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, crowded, ends_of, film_table
 from solver.gap.rings import reach_of, rings
 from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
@@ -70,10 +69,6 @@ class AirPoints:
     pressed: Pressed
     permittivity: Array  # Relative one of what fills the gaps; (case,)
     end: Array  # Where the gaps end [m]; (case,)
-
-    def __post_init__(self) -> None:
-        """Refuse contacts that cannot have air beside them."""
-        require(lacking_at_point(self.pressed.body, self._conducts))
 
     @property
     def _conducts(self) -> BoolArray:

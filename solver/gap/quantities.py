@@ -12,7 +12,6 @@ from solver.gap.airline import AirContacts, LineSolution
 from solver.gap.grid import peak_of_panels
 from solver.gap.newton import together
 from solver.gap.operators import WITHIN, AirTable, farthest, grid_of
-from solver.gap.refusal import lacking, require
 from solver.halfplane.peakpressure import largest
 from solver.line.outputs import pressure_series
 from solver.line.quantities import edges
@@ -65,7 +64,6 @@ def solutions(films: Films, permittivity: Array) -> Iterator[tuple[int, LineSolu
 
 def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[Indices, AirContacts]]:
     """Yield cases on films of unit thickness with the table of their window, as many as are solved at once."""
-    require(lacking(films.kind))
     films.require_one_length()
     air = np.stack([VACUUM_PERMITTIVITY * permittivity, np.full_like(permittivity, VACUUM_PERMEABILITY)], 1)
     for places, number, contact in films.parts:

@@ -19,7 +19,7 @@ from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.cache import cached
 from solver.gap.grid import Grid, gauss
-from solver.gap.refusal import GapError
+from solver.halfplane.pressing import ContactError
 
 _FINE = 24  # of the rules in tau, theta' = theta +- tau^2, which has no root at the target
 
@@ -176,7 +176,7 @@ def rings(reach: float = FARTHEST) -> Rings:
 def reach_of(radius: float, end: float) -> float:
     """End of the finite panels in contact radii, for a contact of a radius beside which the gap ends at ``end``."""
     if not radius >= _NARROWEST * end:
-        raise GapError(
+        raise ContactError(
             f"contact: narrower than {_NARROWEST:g} of the distance at which its gap ends: charges beside it cannot be "
             "resolved; must be insulated"
         )

@@ -146,7 +146,7 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     offset = (datum * weights / k).sum(-1)
     if (end := ended_at(stack, width, x)) is not None:  # beyond, the datum's part alone is left
         offset += np.array([regular[i, j] for i, j in ENTRIES[:6]]) * float(exp1(end * width))
-    sines, cosines = _summed(x, k, by_sine, by_cosine)
+    sines, cosines = fourier_sums(x, k, by_sine, by_cosine)
     out = np.concatenate(
         [-sines[:, :6], -cosines[:, :3], -sines[:, 6:7], cosines[:, 3:] + offset, -sines[:, 7:]], axis=1
     )
@@ -158,7 +158,7 @@ def _transforms(stack: Stack, width: float, x: Array) -> Array:
     return out
 
 
-def _summed(x: Array, k: Array, by_sine: Array, by_cosine: Array) -> tuple[Array, Array]:
+def fourier_sums(x: Array, k: Array, by_sine: Array, by_cosine: Array) -> tuple[Array, Array]:
     """Sums over wavenumbers of rows (k, row) times sin kx and times cos kx; (x, row) each."""
     sines, cosines = (np.empty((x.size, rows.shape[1])) for rows in (by_sine, by_cosine))
     for start in range(0, x.size, step := max(_TRANSFORMS_AT_ONCE // k.size, 1)):

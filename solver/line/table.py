@@ -102,12 +102,6 @@ class Table:
         """Chebyshev coefficients of the derivatives in log h; (node, output, cause)."""
         return self.interval.derived(self.series)
 
-    def narrowed(self, half_length: float, ratio: float = 1.2, nodes: int = 10) -> "Table":
-        """A table of the same system about one half-length: as exact as the system itself."""
-        if half_length * ratio > self.system.kernel.reach / 2:
-            raise RangeError(f"contact: half-length {half_length:g} m is beyond the resolved range")
-        return replace(self, lower=half_length / ratio, upper=half_length * ratio, nodes=nodes)
-
 
 def at(system: System, half_lengths: Array) -> Array:
     """Outputs at half-lengths (half,) [m], batched over those of like size; (half, output, cause)."""

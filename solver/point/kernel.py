@@ -18,7 +18,7 @@ from approximation.arrays import Indices
 from approximation.piecewise import Piecewise
 from solver.arrays import Array
 from solver.cache import cached
-from solver.line.kernel import DEGREE, ENTRIES, growing, octave
+from solver.line.kernel import DEGREE, ENTRIES, fourier_sums, growing, octave
 from solver.stack.layers import Stack
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, tapered
@@ -28,7 +28,6 @@ PAIRS = ENTRIES[:6]
 _SHEARED = ENTRIES[6:9]
 
 _FAR = 1e4  # strip widths beyond which Lambda falls like 1/x^2 and Lambda_x like 1/x
-_VALUES_AT_ONCE = 4_000_000  # values of one block of a transform
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +70,8 @@ def _kernels(stack: Stack) -> tuple[SurfaceKernel, SurfaceKernel]:
         k, weights, taper = tapered(stack, width, x)
         values = waves(stack, k)[0].difference
         rows = np.stack([weights * taper * values[:, i, j] for i, j in (*PAIRS, *_SHEARED)], -1)
-        sums, step = np.empty((x.size, rows.shape[1])), max(_VALUES_AT_ONCE // k.size, 1)
-        for start in range(0, x.size, step):
-            phases = x[start : start + step, None] * k
-            sums[start : start + step, :count] = np.cos(phases) @ rows[:, :count]
-            sums[start : start + step, count:] = np.sin(phases) @ rows[:, count:]
-        return sums
+        sines, cosines = fourier_sums(x, k, rows[:, count:], rows[:, :count])
+        return np.concatenate([cosines, sines], 1)
 
     ends = growing(width, _FAR * width)
     all_pairs = SurfaceKernel(Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width)), odd=False)

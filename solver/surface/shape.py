@@ -18,7 +18,7 @@ _LEAST_POINTS = 4  # a side of a height map: those of a cubic spline
 _MOST_POINTS = 4096  # a side of a height map: 134 MB
 _WAVES = 400  # of a rough surface: the root mean square of its heights in a contact then scatters as that of a real one
 _HURST = 0.8  # of polished and ground surfaces
-_SMOOTH = 1e4  # height over the roughness beyond which waves change no charge: by 1e-8, its square
+_SMOOTH = 1e3  # height over the roughness beyond which waves change no charge: by 1e-6, its inverse square
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,11 +155,13 @@ class RoughSphere(Shape):
         along, across, amplitude = self._waves
         x, y = np.asarray(x), np.asarray(y)
         heights = np.asarray((np.square(x) + np.square(y)) / (2 * self.radius))
-        if np.min(heights) > _SMOOTH * self.roughness:
-            return heights
+        reach = np.sqrt(2 * self.radius * _SMOOTH * self.roughness)
         if x.ndim == 2 and x.shape[1] == 1 and y.ndim == 1:  # a grid, of products
-            waves_x, waves_y = amplitude * np.exp(1j * along * x), np.exp(1j * np.outer(across, y))
-            return np.asarray(heights + waves_x.real @ waves_y.real - waves_x.imag @ waves_y.imag)
+            near_x, near_y = np.abs(x[:, 0]) < reach, np.abs(y) < reach
+            waves_x = amplitude * np.exp(1j * along * x[near_x])
+            waves_y = np.exp(1j * np.outer(across, y[near_y]))
+            heights[np.ix_(near_x, near_y)] += waves_x.real @ waves_y.real - waves_x.imag @ waves_y.imag
+            return heights
         waves = amplitude * np.exp(1j * (along * x[..., None] + across * y[..., None]))
         return np.asarray(heights + np.sum(waves, axis=-1).real)
 

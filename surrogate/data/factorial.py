@@ -101,9 +101,7 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array) -> Input:
     for scale in scales:
         ends = np.log(levels[[0, -1]]) if scale == "log" else levels[[0, -1]]
         middle, reach = ends.mean(), (ends[1] - ends[0]) / 2 / gauss_points(len(levels))[-1]
-        low, high = (
-            (np.exp(middle - reach), np.exp(middle + reach)) if scale == "log" else (middle - reach, middle + reach)
-        )
+        low, high = np.exp([middle - reach, middle + reach]) if scale == "log" else (middle - reach, middle + reach)
         inferred = Input(factor, float(low), float(high), scale, **attrs)
         if _distance(inferred, levels).max() <= LEVEL_TOLERANCE:
             return inferred

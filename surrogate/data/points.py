@@ -3,7 +3,6 @@
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cache
 from math import prod
 from typing import Any, Protocol, TypeAlias, runtime_checkable
 
@@ -12,7 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from approximation.arrays import Array, Flags, columns_of, unmasked
-from surrogate.data.inputs import Input
+from surrogate.data.inputs import Input, unit_coordinates
 
 # Room for rounding at the ends of the box, as a share of its width on the input's own scale.
 SLACK = 1e-12
@@ -106,8 +105,8 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
 
 def outside(X: Array, inputs: Sequence[Input]) -> Flags:
     """Mark the entries of physical points X, (n, d), that lie outside the box, (n, d); NaN counts as outside."""
-    low, high = _margins(tuple(inputs))
-    return np.asarray(~((low <= X) & (high >= X)))
+    with np.errstate(divide="ignore", invalid="ignore"):  # logarithms of what no logarithmic scale has
+        return np.asarray(~(np.abs(unit_coordinates(inputs, X)) <= 1 + 2 * SLACK).T)
 
 
 def require_inside(X: Array, inputs: Sequence[Input]) -> None:
@@ -120,21 +119,6 @@ def require_inside(X: Array, inputs: Sequence[Input]) -> None:
         raise OutOfBoxError(
             f"{factor.name} = {X[row, column]:.10g} is outside the trained box {factor.range_text()}{others}"
         )
-
-
-@cache
-def _margins(inputs: tuple[Input, ...]) -> tuple[Array, Array]:
-    """The ends of the box with some room for rounding, (d,) each."""
-    low, high = zip(*map(_margin, inputs), strict=True)
-    return np.array(low), np.array(high)
-
-
-def _margin(input_: Input) -> tuple[float, float]:
-    if input_.scale == "log":
-        slack = SLACK * np.log(input_.high / input_.low)
-        return input_.low * (1 - slack), input_.high * (1 + slack)
-    slack = SLACK * (input_.high - input_.low)
-    return input_.low - slack, input_.high + slack
 
 
 def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:

@@ -219,9 +219,7 @@ def _rough_scale(left: Array, t: Array) -> Array:
     sizes = np.abs(left)
     if not sizes.any():
         return np.ones_like(left)
-    terms, logarithm = (
-        products.values(additive([SCALE_DEGREE] * len(t)), t).T,
-        np.log(np.maximum(sizes, SMALLEST * sizes.max())),
-    )
+    terms = products.values(additive([SCALE_DEGREE] * len(t)), t).T
+    logarithm = np.log(np.maximum(sizes, SMALLEST * sizes.max()))
     scale = np.exp(terms @ np.linalg.lstsq(terms, logarithm, rcond=None)[0])
     return np.asarray(np.maximum(scale / np.median(scale), SMALLEST_SCALE))

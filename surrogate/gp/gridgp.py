@@ -382,11 +382,9 @@ def joined(coefficients: Sequence[Array]) -> tuple[tuple[int, ...], Array]:
 
     Contracting the largest factors first keeps the ranks of its tensor train, hence the cost of a query, small.
     """
-    modes = tuple(
-        max(sizes) for sizes in zip(*(output_coefficients.shape for output_coefficients in coefficients), strict=True)
-    )
-    order = tuple(int(k) for k in np.argsort([-size for size in modes], kind="stable"))
+    modes = np.max([part.shape for part in coefficients], axis=0)
+    order = tuple(np.argsort(-modes, kind="stable").tolist())
     tensor = np.zeros((*modes, len(coefficients)))
-    for p, output_coefficients in enumerate(coefficients):
-        tensor[..., p][tuple(map(slice, output_coefficients.shape))] = output_coefficients
+    for p, part in enumerate(coefficients):
+        tensor[..., p][tuple(map(slice, part.shape))] = part
     return order, tensor.transpose(*order, len(modes))

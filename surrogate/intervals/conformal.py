@@ -119,9 +119,7 @@ def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Arra
     pairs = [pair for pair in combinations(range(d), 2) if distinct[list(pair)].min() >= PAIRWISE]
     degrees = np.concatenate([degrees, *(pairwise(d, pair, 2) for pair in pairs)])
     A = products.values(degrees, t).T
-    trend = (
-        np.array([quantile_regression(A, logarithm, NOMINAL) for logarithm in logarithms]).reshape(-1, len(degrees)).T
-    )
+    trend = np.reshape([quantile_regression(A, row, NOMINAL) for row in logarithms], (-1, len(degrees))).T
     waves = _waves(A, logarithms, trend, t, pairs) if cases >= WAVES else None
     if waves is None:
         return degrees, trend

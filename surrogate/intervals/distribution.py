@@ -101,15 +101,11 @@ class Tabulated:
 
     def inverse(self, q: Array) -> Array:
         """Return the quantiles of every output at probabilities of its own, (p, n)."""
-        return np.stack(
-            [np.interp(probabilities, PROBABILITIES, z) for probabilities, z in zip(q, self.quantiles.T, strict=True)]
-        )
+        return np.stack([np.interp(row, PROBABILITIES, z) for row, z in zip(q, self.quantiles.T, strict=True)])
 
     def cdf(self, z: Array) -> Array:
         """Return the probability of no more than z, (p, n)."""
-        return np.stack(
-            [np.interp(row, quantiles, PROBABILITIES) for row, quantiles in zip(z, self.quantiles.T, strict=True)]
-        )
+        return np.stack([np.interp(row, ends, PROBABILITIES) for row, ends in zip(z, self.quantiles.T, strict=True)])
 
     def crps(self, z: Array) -> Array:
         """Return the integral of (F(x) - (x >= z))^2 over x at z, (p, n); F is linear between the quantiles."""

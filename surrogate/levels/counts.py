@@ -150,9 +150,8 @@ def _equally_shared(judged: Decays, tolerance: float, fixed: Mapping[str, int]) 
 
 def _fewest(decays: Sequence[Decay], error: float) -> int | None:
     """Fewest levels along one input at which no output errs by more, None where the most allowed are too few."""
-    return next(
-        (count for count in range(2, MOST_LEVELS) if max(decay.error(count) for decay in decays) <= error), None
-    )
+    enough = (count for count in range(2, MOST_LEVELS) if max(decay.error(count) for decay in decays) <= error)
+    return next(enough, None)
 
 
 def _trimmed(counts: dict[str, int], judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int]:

@@ -153,9 +153,8 @@ def mixture(draws: Sequence[Draw]) -> tuple[Array, Array]:
     """Return mean (k,) and covariance (k, k) of the scaled constants over all draws."""
     means = np.stack([draw.mean for draw in draws])
     deviation = means - means.mean(axis=0)
-    return means.mean(axis=0), np.mean([draw.covariance for draw in draws], axis=0) + deviation.T @ deviation / len(
-        draws
-    )
+    inner = np.mean([draw.covariance for draw in draws], axis=0)
+    return means.mean(axis=0), inner + deviation.T @ deviation / len(draws)
 
 
 class CorrectedGP(Transformed):

@@ -61,22 +61,15 @@ def code(
     """Return the texts of NAME.h and NAME.c for outputs of one model; notes are lines of the header's comment."""
     context = _Context(name, outputs, arithmetic).values
     comment = ["A surrogate of meecontact in C89: no allocation, no state, nothing but math.h.", *notes, ""]
-    comment += [
-        "Compile with -ffp-contract=off where the processor has fused multiplications: the same bits on all.",
-        "",
-    ]
-    comment += ["inputs:", *(f"  {entry['macro']}: {entry['text']}" for entry in context["inputs"])]
+    comment += ["Compile with -ffp-contract=off where the processor has fused multiplications: the same bits on all."]
+    comment += ["", "inputs:", *(f"  {entry['macro']}: {entry['text']}" for entry in context["inputs"])]
     comment += ["outputs, with the largest error of the rounding over the range:"]
     comment += [
         f"  {entry['macro']}: {entry['text']}; {part.error:.1e}"
         for entry, part in zip(context["outputs"], outputs, strict=True)
     ]
-    lines = [
-        wrapped
-        for line in comment
-        for wrapped in textwrap.wrap(printable(line), _WIDTH, subsequent_indent="    ") or [""]
-    ]
-    plain = "/*\n" + "".join(f" * {line}".rstrip() + "\n" for line in lines) + " */"
+    paragraphs = (textwrap.wrap(printable(line), _WIDTH, subsequent_indent="    ") or [""] for line in comment)
+    plain = "/*\n" + "".join(f" * {line}".rstrip() + "\n" for lines in paragraphs for line in lines) + " */"
     texts = environment()
     return {f"{name}.{end}": texts.get_template(f"model.{end}").render(context, comment=plain) for end in ("h", "c")}
 
@@ -272,20 +265,13 @@ class _Context:
     def _probes(self, outputs: Sequence[Rounded]) -> dict[str, Any]:
         """The stored predictions of the surrogate's file, with the room of the rounding."""
         points = probe_points(outputs[0].model.inputs_)
-        answers = [
-            (
-                part.exact.predict_array(points)[:, 0],
-                *(ends[:, 0] for ends in part.exact.interval_array(points, NOMINAL)),
-            )
-            for part in outputs
-        ]
-        rooms = [2 * part.room + ROOM * part.size for part in outputs]
+        answers = np.array([
+            (part.exact.predict_array(points), *part.exact.interval_array(points, NOMINAL)) for part in outputs
+        ])[..., 0]  # fmt: skip
         return {
             "probes": [self.numbers(point) for point in points],
-            "expected": [
-                [self.numbers([values[row] for values in answer]) for answer in answers] for row in range(len(points))
-            ],
-            "allowed": self.numbers(rooms),
+            "expected": [list(map(self.numbers, rows)) for rows in np.moveaxis(answers, 2, 0)],
+            "allowed": self.numbers([2 * part.room + ROOM * part.size for part in outputs]),
         }
 
 

@@ -41,13 +41,10 @@ def unit(
     starts = [literal(middle(axis), arithmetic) for axis in model.inputs_]
     wrapper = environment().get_template("fmi3.c").render(name=name, NAME=name.upper(), token=token, starts=starts)
     sources = {**texts, "fmi3.c": wrapper}
-    description = environment(escaped=True).get_template("modelDescription.xml")
+    description, build = map(environment(escaped=True).get_template, ("modelDescription.xml", "buildDescription.xml"))
     members: dict[str, bytes] = {
         "modelDescription.xml": description.render(_variables(outputs), name=name, token=token, tool=tool).encode(),
-        "sources/buildDescription.xml": environment(escaped=True)
-        .get_template("buildDescription.xml")
-        .render(name=name)
-        .encode(),
+        "sources/buildDescription.xml": build.render(name=name).encode(),
         **{f"sources/{file}": text.encode() for file, text in sources.items()},
     }
     binary = _compiled(name, sources)

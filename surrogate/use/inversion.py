@@ -113,15 +113,11 @@ class Inversion:
         change[rows, along] = np.abs(mean.reshape(len(along), 2, -1) - parents.mean[:, None]).max(1)
         return _Cells(centre, np.repeat(half, 2, axis=0), mean, std, np.repeat(change, 2, axis=0))
 
-    def _points(self, centre: Array) -> Array:
-        """Physical points (n, d) at scaled values of the inferred inputs."""
-        places = {input_.name: input_.from_unit(centre[:, k]) for k, input_ in enumerate(self._inputs)}
-        columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
-        return np.stack(columns, -1)
-
     def _forward(self, centre: Array) -> tuple[Array, Array]:
         """Mean and standard deviation of the measured outputs, (n, m), at scaled values of the inferred inputs."""
-        mean, std = self._model.predict_array(self._points(centre), return_std=True)
+        places = {input_.name: input_.from_unit(centre[:, k]) for k, input_ in enumerate(self._inputs)}
+        columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
+        mean, std = self._model.predict_array(np.stack(columns, -1), return_std=True)
         return mean[:, self._columns], std[:, self._columns]
 
     def _summary(self, cells: "_Cells", weights: Array, misfit: float, level: float) -> Estimate:

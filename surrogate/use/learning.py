@@ -87,19 +87,15 @@ class Residuals:
 
     def at(self, state: State) -> Discrepancy:
         """Return the process with what a state says."""
-        amplitude = float(np.exp(state.amplitude)) * self.size
-        return Discrepancy(
-            self.points, self._noise(state), amplitude, np.exp(state.lengths), self.residual, self.slopes
-        )
+        amplitude, lengths = float(np.exp(state.amplitude)) * self.size, np.exp(state.lengths)
+        return Discrepancy(self.points, self._noise(state), amplitude, lengths, self.residual, self.slopes)
 
     def few(self) -> tuple["Residuals", Indices]:
         """Return as many of the values as states are drawn from, and which they are."""
         n = len(self.residual)
-        chosen = (
-            np.arange(n)
-            if n <= _MOST_VALUES
-            else np.sort(np.random.default_rng(0).choice(n, _MOST_VALUES, replace=False))
-        )
+        chosen = np.arange(n)
+        if n > _MOST_VALUES:
+            chosen = np.sort(np.random.default_rng(0).choice(n, _MOST_VALUES, replace=False))
         names = ("points", "residual", "slopes", "spread", "stated", "unknown")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names}), chosen
 
@@ -174,9 +170,8 @@ class Residuals:
         while len(left):  # until one changes, the conditional chances of all stay as they are
             added = plain[left, None] * (WILD**2 - WILD[wild[left], None] ** 2)
             grown = 1 + added * inverse[left, left, None]
-            chance = CHANCE / np.sqrt(grown) * np.exp(
-                0.5 * np.minimum(added * pull[left, None] ** 2 / grown, _LARGEST_ODDS)
-            )  # fmt: skip
+            odds = 0.5 * np.minimum(added * pull[left, None] ** 2 / grown, _LARGEST_ODDS)
+            chance = CHANCE / np.sqrt(grown) * np.exp(odds)
             share = np.cumsum(chance, axis=1)
             drawn_level = (share < drawn[left, None] * share[:, -1:]).sum(axis=1)
             changed = np.flatnonzero(drawn_level != wild[left])
@@ -214,9 +209,8 @@ class Residuals:
 def _lattice(current: float, ends: tuple[float, float], step: float, random: np.random.Generator) -> Array:
     """Levels of a logarithm from one end to the other through where it is now, a random step apart."""
     (low, high), step = np.log(ends), step * float(random.uniform(0.6, 1.0))
-    return np.asarray(
-        current + step * np.arange(np.ceil((low - current) / step), np.floor((high - current) / step) + 1)
-    )
+    first, last = np.ceil((low - current) / step), np.floor((high - current) / step)
+    return np.asarray(current + step * np.arange(first, last + 1))
 
 
 def _densities(covariances: Array, misfit: Array) -> Array:
@@ -306,9 +300,7 @@ class Learnt:
     @property
     def odds(self) -> dict[int, float]:
         """Odds for a discrepancy of every measured output against none, by its number."""
-        return {
-            q: float(1 / np.mean(np.exp(-np.clip(log_odds, -_HUGE, _HUGE)))) for q, log_odds in self.chain.odds.items()
-        }
+        return {q: float(1 / np.mean(np.exp(-np.clip(odds, -_HUGE, _HUGE)))) for q, odds in self.chain.odds.items()}
 
     @property
     def own_odds(self) -> float:

@@ -60,12 +60,11 @@ class RoundedGP(GridGP):
 
     @override
     def slopes(self, t: Array) -> Array:
-        T = [polynomials(t[k], max(2, size)) for k, size in zip(self.order_, self.chebyshev_.modes, strict=True)]
-        S = [
-            slopes(t[k], whole)[: core.shape[1]]
-            for k, whole, core in zip(self.order_, T, self.chebyshev_.cores, strict=True)
-        ]
-        T = [whole[: core.shape[1]] for whole, core in zip(T, self.chebyshev_.cores, strict=True)]
+        T, S = [], []
+        for k, size in zip(self.order_, self.chebyshev_.modes, strict=True):
+            whole = polynomials(t[k], max(2, size))
+            T.append(whole[:size])
+            S.append(slopes(t[k], whole)[:size])
         return self.chebyshev_.gradient(T, S)[np.argsort(self.order_)]
 
 
@@ -248,9 +247,8 @@ def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
     last = len(cores) - 1
     for k, (a, b) in enumerate(zip(cores, others, strict=True)):
         rows, columns = (max, sum)[k > 0], (max, sum)[k < last]
-        core = np.zeros(
-            (rows((a.shape[0], b.shape[0])), max(a.shape[1], b.shape[1]), columns((a.shape[2], b.shape[2])))
-        )
+        before, modes, behind = zip(a.shape, b.shape, strict=True)
+        core = np.zeros((rows(before), max(modes), columns(behind)))
         core[: a.shape[0], : a.shape[1], : a.shape[2]] += a
         core[-b.shape[0] :, : b.shape[1], -b.shape[2] :] += b
         summed.append(core)

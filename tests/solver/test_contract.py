@@ -162,12 +162,12 @@ def test_bad_factors_and_positions_are_refused_in_one_line(case: Case) -> None:
         refused(case, "positions: ", positions=positions)
     for x, y, fields, words in (
         ([0.0], [0.1], None, "^y: 0.1 is above the surface"),
-        ([np.nan], [-1.0], None, "^x: not a list"), ([], [-1.0], None, "^x: not a list"),
+        ([np.nan], [-1.0], None, "^x: nan"), ([], [-1.0], None, "^x: not a list"),
         ([0.0], [-1.0], ["stress"], "^fields: 'stress' is not one of stress_xx"),
     ):  # fmt: skip
         with pytest.raises(solver.FactorError, match=words):
             solver.solve_interior(case, x, y, fields=fields)
-    with pytest.raises(solver.FactorError, match="peaks: 'shear' is unknown"):
+    with pytest.raises(solver.FactorError, match="peaks: 'shear' is not one of"):
         solver.solve(case, peaks=["shear"])
 
 

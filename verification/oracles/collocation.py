@@ -292,10 +292,8 @@ def _matrix(problem: Problem, X: Array, families: list[tuple[int, int]], loaded:
     for f, w in families:
         equations = np.kron(N[:, f : f + 1], tables[w])
         if f == 0:
-            values = ((1 - X) ** powers[0] * (1 + X) ** powers[1])[:, None] * np.polynomial.chebyshev.chebvander(
-                X, terms - 1
-            )
-            equations += np.kron(problem.friction * k[:, None], values)
+            values = np.polynomial.chebyshev.chebvander(X, terms - 1).T * (1 - X) ** powers[0] * (1 + X) ** powers[1]
+            equations += np.kron(problem.friction * k[:, None], values.T)
         balances = np.array([(f == g) * means[w] for g in loaded]).reshape(len(loaded), terms)
         blocks.append(np.vstack([equations, balances]))
     if problem.profile.smooth:

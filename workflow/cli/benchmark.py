@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from workflow.cli.textfile import Sheet, sheet
+from workflow.cli.textfile import sheet, with_point
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, located, number, one_line
 
@@ -20,7 +20,7 @@ Key = tuple[str, str]
 
 def benchmark(options: argparse.Namespace) -> None:
     """Print the table, or a verdict for each of its numbers."""
-    known = {(row["problem"], row["quantity"]): row for row in _rows(sheet(TABLE, _MOST_BYTES)).values()}
+    known = {(row["problem"], row["quantity"]): row for row in _rows(TABLE)[0].values()}
     if options.answers is None:
         for (problem, quantity), row in known.items():
             print(f"{problem:26s} {quantity:20s} {row['value']:>17s} {row['units']}")
@@ -45,20 +45,20 @@ def verdict(expected: str, answer: float | None) -> str:
     return f"off by {abs(answer - exact) / abs(exact):.1e}"
 
 
-def _rows(table: Sheet) -> dict[int, dict[str, str]]:
-    """Rows of a table with a header, as texts by line of the file."""
-    with located(table.path, (UnicodeDecodeError, csv.Error)), table.open() as file:
+def _rows(path: Path) -> tuple[dict[int, dict[str, str]], str]:
+    """Rows of a table with a header, as texts by line of the file, and what separates the cells."""
+    table = sheet(path, _MOST_BYTES)
+    with located(path, (UnicodeDecodeError, csv.Error)), table.open() as file:
         header, *rows = list(table.rows(file, _MOST_BYTES)) or [(0, [""])]
     names = [name.strip() for name in header[1]]
     cells = {line: [*map(str.strip, row), *[""] * len(names)] for line, row in rows}
-    return {line: dict(zip(names, row, strict=False)) for line, row in cells.items()}
+    return {line: dict(zip(names, row, strict=False)) for line, row in cells.items()}, table.separator
 
 
 def _answers(path: Path, known: Mapping[Key, Any]) -> dict[Key, float]:
     """The numbers of a file, each of the table."""
     answers: dict[Key, float] = {}
-    table = sheet(path, _MOST_BYTES)
-    rows = _rows(table)
+    rows, separator = _rows(path)
     if not rows:
         raise InputError(f"{path}: is empty: needs the columns {', '.join(_COLUMNS)} and a row or more")
     for line, row in rows.items():
@@ -73,7 +73,7 @@ def _answers(path: Path, known: Mapping[Key, Any]) -> dict[Key, float]:
         if key in answers:
             raise InputError(f"{path}: line {line}: {key[0]}, {key[1]}: given twice")
         try:
-            answers[key] = number(table.with_point(row["value"]))
+            answers[key] = number(with_point(row["value"], separator))
         except ValueError:
             answers[key] = math.nan
         if not math.isfinite(answers[key]):

@@ -5,7 +5,7 @@ import sys
 from array import array
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TextIO
@@ -16,7 +16,18 @@ from numpy.typing import NDArray
 
 from solver import units
 from solver.names import CHOICES, HEIGHT_MAP, MATERIALS
-from workflow.cli.textfile import LONGEST_CELL, Sheet, heading, is_number, is_unit, quick_number, sheet
+from workflow.cli.textfile import (
+    LONGEST_CELL,
+    Sheet,
+    heading,
+    is_number,
+    is_unit,
+    missing,
+    quick_number,
+    refused,
+    sheet,
+    with_point,
+)
 from workflow.cli.words import named, quantity
 from workflow.language.factors import FACTORS, own_kind
 from workflow.language.given import check_bare
@@ -42,6 +53,7 @@ class Table:
     # where the cell is empty
     columns: dict[str, NDArray[Any]]
     lines: NDArray[np.int64]  # line of the file that each case stands on; none of what was not read from a file
+    bare: frozenset[str] = frozenset()  # columns with a number that has no unit
 
     @property
     def count(self) -> int:
@@ -71,13 +83,15 @@ class Table:
 def one_case(option: str, text: str, units: Mapping[str, str] | None = None) -> Table:
     """One case from an option ``NAME=VALUE,...``: of factors, or of names with their units."""
     columns: dict[str, NDArray[Any]] = {}
+    bare = set()
     for name, value in named(option, text, valued=True).items():
         if name in (FACTORS if units is None else units):
             unit, factor = (FACTORS[name].units, name) if units is None else (units[name], "")
             columns[name] = np.array([quantity(f"{option}: {name}", value, unit, factor)])
+            bare |= {name} if is_number(value) else set()
         else:  # a name, or what the solver or the surrogate does not know
             columns[name] = np.array([value], dtype=object)
-    return Table(option, columns, np.empty(0, dtype=np.int64))
+    return Table(option, columns, np.empty(0, dtype=np.int64), frozenset(bare))
 
 
 def read_cases(path: Path, measured: Mapping[str, str] = MappingProxyType({})) -> Table:
@@ -105,7 +119,7 @@ def _tables(path: Path, measured: Mapping[str, str], rows: int | None) -> Iterat
     except OSError as error:
         raise InputError(f"{path}: {error.strerror or error}") from None
     except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not a CSV table in UTF-8: {error}") from None
+        raise InputError(f"{path}: not a CSV table in {file.encoding}: {error}") from None
 
 
 def _empty(header: Collection[str]) -> tuple[dict[str, Any], "array[int]"]:
@@ -129,7 +143,7 @@ class _Reader:
         """The table of a file, in blocks of at most so many cases if that is given."""
         path = self.sheet.path
         rows = self.sheet.rows(file, _MOST_LINES if most is None else sys.maxsize)
-        units_of_columns = self.header(next(rows, (0, []))[1])
+        units_of_columns = self.header(next(rows, (0, [""]))[1], rows)
         header = list(units_of_columns)
         second = next(rows, None)
         if second and (behind := self.units_row(header, second[1])):
@@ -139,17 +153,19 @@ class _Reader:
             raise InputError(f"{path}: needs a header of factor names and at least one case")
         scales = {name: 1.0 if unit is None else self.scale(name, unit) for name, unit in units_of_columns.items()}
         columns, lines = _empty(header)
+        bare: set[str] = set()
         for line, row in chain([second], rows):
             where = f"{path}: line {line}"
             if len(lines) == most:
-                yield self.made(columns, lines)
+                yield self.made(columns, lines, bare)
                 columns, lines = _empty(header)
             if most is None and len(lines) == _MOST_CASES:
                 raise InputError(f"{where}: more than {_MOST_CASES} cases; split the table")
-            if len(row) < len(header) or any(map(str.strip, row[len(header) :])):
-                separated = f"(columns are separated by {self.sheet.separators})"
-                raise InputError(f"{where}: {len(row)} cells, the header has {len(header)} {separated}")
-            for name, cell in zip(header, row, strict=False):
+            if len(row) > len(header) and not any(map(str.strip, row[len(header) :])):
+                row = row[: len(header)]
+            if len(row) != len(header):
+                raise InputError(f"{where}: {len(row)} cells, the header has {len(header)}{self.hint(row)}")
+            for name, cell in zip(header, row, strict=True):
                 text = cell.strip()
                 try:
                     if len(text) > LONGEST_CELL:
@@ -157,31 +173,33 @@ class _Reader:
                     if name in TEXT_FACTORS:
                         columns[name].append(self.name(name, text))
                     else:
-                        columns[name].append(self.number(name, text, scales[name], units_of_columns[name]))
+                        columns[name].append(self.number(name, text, scales[name], units_of_columns[name], bare))
                 except ValueError as error:
                     raise InputError(f"{where}: {name}: {error}") from None
             lines.append(line)
-        yield self.made(columns, lines)
+        yield self.made(columns, lines, bare)
 
-    def made(self, columns: Mapping[str, Any], lines: "array[int]") -> Table:
+    def made(self, columns: Mapping[str, Any], lines: "array[int]", bare: Collection[str]) -> Table:
         """The table of some rows."""
         arrays = {
             name: np.array(cells, dtype=object if name in TEXT_FACTORS else float) for name, cells in columns.items()
         }
-        return Table(str(self.sheet.path), arrays, np.array(lines))
+        return Table(str(self.sheet.path), arrays, np.array(lines), frozenset(bare))
 
-    def header(self, row: list[str]) -> dict[str, str | None]:
+    def header(self, row: list[str], rows: Iterator[tuple[int, list[str]]]) -> dict[str, str | None]:
         """Names of the columns, and the unit that the header says of each."""
         path, known = self.sheet.path, self.known
         columns: dict[str, str | None] = {}
-        last = max((place for place, cell in enumerate(row) if cell.strip()), default=-1)
+        last = max((place for place, cell in enumerate(row) if cell.strip()), default=0)
         row = row[: last + 1]  # without separators at the end of the line
+        if row and all(is_number(cell) for cell in row if cell.strip()) and any(map(str.strip, row)):
+            raise InputError(f"{path}: has no header; the first row must name the columns, as 'radius [mm],force [N]'")
         for cell in row[: len(known) + 1]:  # one of them is unknown or occurs twice
             shown = " ".join(cell.split())[:LONGEST_CELL]
             name, unit = heading(shown, known)
             name = renamed(name, known)
             if name not in known and own_kind(name) is None:
-                raise InputError(f"{path}: column {shown!r}: {self.unknown(name, unit)}")
+                raise InputError(f"{path}: column {shown!r}: {self.unknown(cell, name, unit, rows)}")
             if name in columns:
                 raise InputError(f"{path}: column {name!r}: given twice")
             if unit is not None and name in TEXT_FACTORS:
@@ -191,10 +209,18 @@ class _Reader:
                 self.scale(name, unit)
         return columns
 
-    def unknown(self, name: str, unit: str | None) -> str:
+    def unknown(self, cell: str, name: str, unit: str | None, rows: Iterator[tuple[int, list[str]]]) -> str:
         """Reason for which a column's heading cannot be read, with what was probably meant."""
-        if not name:
+        if not cell.strip() and not any(True for _ in islice(rows, 1)):
+            raise InputError(f"{self.sheet.path}: is empty: needs a header of factor names and at least one case")
+        if not cell.strip():
             return "has no heading; a row index is left out, as by to_csv(index=False)"
+        marks = [mark for mark in ("|", ";", "\t", "  ") if mark in cell.strip()]
+        if marks:
+            return f"separator: columns are separated by {marks[0]!r}; use commas, semicolons or tabs"
+        for line, row in islice(rows, 20):
+            if len(row) > 1 and all(heading(cell, self.known)[0] in self.known for cell in row):
+                return f"is no heading; the header is line {line}: begin the lines above it with #, or remove them"
         kind = "column" if self.measured else "factor"
         if near := suggested(name.casefold(), self.known):
             return f"unknown {kind}; did you mean {near + (f' [{unit}]' if unit else '')!r}?"
@@ -217,26 +243,33 @@ class _Reader:
         return self.measured.get(name) or FACTORS[name].units
 
     def scale(self, name: str, unit: str) -> float:
-        """The factor that takes numbers of a column to SI units."""
+        """The factor that takes numbers of a column to SI units; 1 of temperatures in degrees Celsius."""
+        if unit in units.CELSIUS and self.units_of(name) == "K":
+            return 1.0
         with located(f"{self.sheet.path}: column {name!r}"):
             parsed = units.parse(unit)
             if not parsed.fits(units.parse(self.units_of(name))):
                 raise ValueError(f"unit mismatch: {unit!r} does not measure what {self.units_of(name)!r} measures")
         return parsed.scale
 
-    def number(self, name: str, text: str, scale: float, unit: str | None) -> float:
+    def number(self, name: str, text: str, scale: float, unit: str | None, bare: set[str]) -> float:
         """A cell of numbers in SI units, NaN where it is empty; ValueError for any other text."""
         if not text:
             return np.nan
-        value = quick_number(text) if scale == 1 and not self.sheet.decimal_comma else None
+        value = quick_number(text) if scale == 1 else None
         if value is None:
-            text = self.sheet.with_point(text)
+            if reason := refused(text):
+                raise ValueError(reason)
+            text = with_point(text, self.sheet.separator)
             if not is_number(text):
                 return self.with_unit(name, text)
             value = number(text) if scale == 1 else units.scaled(units.plain(text), scale)
             if not np.isfinite(value):
                 raise ValueError(f"{value:g} is not {self.allowed(name)}")
-        if unit is None:
+        if unit in units.CELSIUS:
+            return value + units.FREEZING
+        if unit is None and value:
+            bare.add(name)
             check_bare(name, value)
         return value
 
@@ -256,6 +289,14 @@ class _Reader:
         """A cell of names; None where it is empty."""
         if not text:
             return None
-        if text not in (allowed := CHOICES.get(name, (text,))):
+        if text not in (allowed := CHOICES.get(name, (text,))) or (name in MATERIALS and missing(text)):
+            if missing(text):
+                raise ValueError(f"{text!r} stands for a missing value; leave the cell empty")
             raise ValueError(f"{text!r} is not one of {', '.join(allowed)}")
         return sys.intern(text)  # stored once, however often it occurs
+
+    def hint(self, row: list[str]) -> str:
+        """Probable cause of a row of other length than the header's."""
+        if self.sheet.separator == "," and len(row) > 1:
+            return "; a decimal comma? then separate columns by semicolons or tabs"
+        return f" (columns are separated by {self.sheet.separators})"

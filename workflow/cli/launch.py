@@ -12,7 +12,7 @@ import yaml
 from workflow.cli import progress
 from workflow.cli.words import say
 from workflow.language.spelling import nearest
-from workflow.study import location, partition
+from workflow.study import configuration, location, partition
 from workflow.study import model as studies
 from workflow.study.model import Study
 from workflow.study.reading import InputError
@@ -38,6 +38,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"study: {name!r} needs mpmath of requirements/dev.txt; `make run` installs it")
     folder = _profile(options.profile)
     arguments = ["--snakefile", str(SNAKEFILE), "--workflow-profile", str(folder)]
+    configuration.check_profiles(arguments)
     if location.by_path(name):
         arguments += ["--config", f"study={location.address(name)}"]
     if options.profile == "default":

@@ -1,7 +1,6 @@
 """The command ``meecontact``: solve cases, query a surrogate, check a material, begin, check and run a study."""
 
 import argparse
-import io
 import os
 import re
 import sys
@@ -12,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
-from workflow.cli.words import cores, say, surrogate_file, written_as
+from workflow.cli.words import cores, printable_streams, say, surrogate_file, written_as
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, one_line
 
@@ -292,8 +291,7 @@ magneto-electro-elastic bodies.
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line. What a command needs is imported when it is known: half a second before the help."""
-    if isinstance(sys.stdout, io.TextIOWrapper):  # what its encoding lacks is escaped, as on standard error
-        sys.stdout.reconfigure(errors="backslashreplace")
+    printable_streams()
     parser = _parser()
     options = parser.parse_args(arguments)
     if options.command is None:

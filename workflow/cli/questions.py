@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
+from approximation.arrays import Array
 from solver.names import ALL_QUANTITIES, CHOICES
 from storage.files import output as file_to_write
 from storage.files import write_text
@@ -39,6 +40,11 @@ from workflow.study.target import Target
 _BARE = re.compile(r"[-+]?[\d.]+(?:[eE][-+]?\d+)?")
 _SHARED = re.compile(r"[\d.]++(?:[eE][-+]?\d+)?+\s*(?P<unit>[^\d\s%-].*)")  # an error's unit
 _IMPOSSIBLE = 25.0  # five standard deviations
+_REMEDIES = {
+    -1.0: "the opposite sign",
+    **{10.0**power: f"a factor of {10.0**power:g}" for power in (3, -3, 6, -6, 9, -9, 12, -12)},
+    **{-(10.0**power): f"the opposite sign and a factor of {10.0**power:g}" for power in (3, -3, 6, -6)},
+}
 _UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing: a measurement of nothing leaves 0.95
 
 
@@ -147,9 +153,27 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     if estimate.misfit > _IMPOSSIBLE + len(measured):
         raise InputError(
             f"invert: no case within the study's ranges gives these measurements (misfit {estimate.misfit:.3g})"
+            f"{_remedy(inversion, list(measured), values, errors)}"
         )
     rows = zip(infer, estimate.mean, estimate.low, estimate.high, strict=True)
     return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
+
+
+def _remedy(inversion: Inversion, names: Sequence[str], values: Array, errors: Array) -> str:
+    """The sign or the power of a thousand by which readings would fit, in words; empty where none does."""
+    subsets = [np.eye(len(names), dtype=bool)[row] for row in range(len(names))]
+    subsets += [np.ones(len(names), dtype=bool)] if len(names) > 1 else []
+    for factor, words in _REMEDIES.items():
+        for subset in subsets:
+            scale = np.where(subset, factor, 1.0)
+            with np.errstate(over="ignore"):
+                scaled, widths = values * scale, errors * np.abs(scale)
+            if not np.isfinite(scaled).all() or not ((widths >= SMALLEST_ERROR) & (widths <= LARGEST_ERROR)).all():
+                continue
+            if inversion.estimate(scaled, widths).misfit <= _IMPOSSIBLE + len(names):
+                which = " and ".join(name for name, chosen in zip(names, subset, strict=True) if chosen)
+                return f"; {which} would fit with {words}"
+    return ""
 
 
 def _learned(study: Study, name: str, combination: Mapping[str, str]) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from pydantic import ValidationError
 
 from approximation.arrays import Array, Indices
@@ -15,7 +16,6 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.materials import material_of
 from solver.heat.charge import HeatError
-from solver.units import FREEZING
 from storage.files import output, writing
 from workflow.cli.casetable import one_case, read_cases
 from workflow.cli.textfile import write_columns
@@ -23,6 +23,7 @@ from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
+from workflow.language.given import DESTROYED, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, first_problem, located, number, read_material
@@ -33,9 +34,8 @@ _MOST_PARTS = 1000
 _MOST_TIMES = 10_000_000
 _ROUGH = 1e-6  # of curves that are told to be rough
 _NOISE = 0.02  # of the largest force, down to which a force below 0 counts as noise
-_CELSIUS = "temperature [degC]"
 #: Columns of a history beside force or load, with their units.
-_COLUMNS = {"time": "s", "temperature": "K", _CELSIUS: "1"}
+_COLUMNS = {"time": "s", "temperature": "K"}
 _NEEDS = "a history has the columns time and force, as 'time [s],force [N]'; a line may have load [N m-1]"
 
 
@@ -51,12 +51,14 @@ def signal(options: argparse.Namespace) -> None:
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
     length = numbers.get("electrode_length", 1.0)
-    history = read_history(options.history, length if kind.contact == "line" else None)
+    history, bare = read_history(options.history, length if kind.contact == "line" else None)
     if len(history.times) * options.parts > _MOST_TIMES:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {_MOST_TIMES} times")
     most = float(history.forces.max())
     pressed = {**case, kind.loads.force: most / length}
     material = material_of(Cases(checked(pressed), materials, ("BaTiO3", "CoFe2O4")))
+    if bare:
+        _check_unit(options.history, most, solve(pressed, materials=materials))
     body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
@@ -82,8 +84,8 @@ def signal(options: argparse.Namespace) -> None:
     say(f"wrote {path}: {written} times{thinned}")
 
 
-def read_history(path: Path, length: float | None) -> History:
-    """Read a history; a line's load is multiplied by its length [m]."""
+def read_history(path: Path, length: float | None) -> tuple[History, bool]:
+    """Read a history, and whether its force has no unit; a line's load is multiplied by its length [m]."""
     table = read_cases(path, _COLUMNS)
     pressing = next((name for name in ("force", "load") if name in table.columns), "force")
     if length is None and pressing == "load":
@@ -93,15 +95,10 @@ def read_history(path: Path, length: float | None) -> History:
     times, forces = (table.numbers(name, _NEEDS) for name in ("time", pressing))
     if table.count < 2:
         raise InputError(f"{path}: {table.count} row; a history has two or more")
-    warm = next((name for name in ("temperature", _CELSIUS) if name in table.columns), None)
-    temperatures = None if warm is None else table.numbers(warm, _NEEDS)
-    if temperatures is not None:
-        if warm != _CELSIUS and _CELSIUS in table.columns:
-            raise InputError(f"{path}: {_CELSIUS}: stands beside another temperature; must be the only one")
-        temperatures = temperatures + (FREEZING if warm == _CELSIUS else 0.0)
-        if (cold := ~(temperatures > 0)).any():
-            row = int(cold.argmax())
-            raise InputError(f"{table.at(row)}: temperature: {temperatures[row]:g} K is not a finite number > 0 [K]")
+    temperatures = table.numbers("temperature", _NEEDS) if "temperature" in table.columns else None
+    if temperatures is not None and (cold := ~(temperatures > 0)).any():
+        row = int(cold.argmax())
+        raise InputError(f"{table.at(row)}: temperature: {temperatures[row]:g} K is not a finite number > 0 [K]")
     if (back := np.diff(times) <= 0).any():
         row = int(back.argmax()) + 1
         jump = ""
@@ -117,7 +114,7 @@ def read_history(path: Path, length: float | None) -> History:
             "offset, or leave out what pulls"
         )
     scale = length or 1.0 if pressing == "load" else 1.0
-    return History(times, np.maximum(forces, 0.0) * scale, temperatures)
+    return History(times, np.maximum(forces, 0.0) * scale, temperatures), pressing == "force" and "force" in table.bare
 
 
 def _heat_figures(history: History, heat: Array, warm: Warmth, figures: Figures) -> list[str]:
@@ -164,6 +161,13 @@ def _plain(text: str) -> float | str:
         return number(text)
     except ValueError:
         return text
+
+
+def _check_unit(path: Path, most: float, solved: xr.Dataset) -> None:
+    """Refuse a bare force whose contact would be destroyed: it has probably lost its unit."""
+    peak = float(solved["peak_pressure"].values.max()) if "peak_pressure" in solved else 0.0
+    if DESTROYED < peak < np.inf:
+        raise InputError(f"{path}: force: {lost_unit(most, 'N', peak)}")
 
 
 def _write(path: Path, history: History, reading: Signal, heat: Array | None = None) -> int:

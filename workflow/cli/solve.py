@@ -40,6 +40,7 @@ from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, one_case, read_blocks, read_cases
 from workflow.cli.textfile import write_columns
 from workflow.cli.words import numbers, say
+from workflow.language.given import DESTROYED, lost_unit
 from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
@@ -71,6 +72,7 @@ def solve_table(options: argparse.Namespace) -> None:
     table, out = _solved(
         options, lambda factors: solve(factors, positions, materials=options.known, peaks=options.peaks), points
     )
+    _check_units(table, out)
     _tell_missing(*_lacking(table, out), out.attrs.get("heat", ""))
     if options.output is None:
         case = out.isel(case=0)
@@ -110,6 +112,7 @@ def _written(options: argparse.Namespace, columns: dict[str, str]) -> int | None
             out = solved(
                 table, lambda factors: solve(factors, materials=options.known, peaks=options.peaks), strains=strains
             )
+            _check_units(table, out)
             units = _units(out)
             if columns and units.keys() - columns.keys():
                 columns |= units
@@ -192,6 +195,19 @@ def _notes(table: Table, out: xr.Dataset, known: Mapping[str, Material]) -> Iter
         yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(single)]
 
 
+def _check_units(table: Table, out: xr.Dataset) -> None:
+    """Refuse a bare force that would destroy any ceramic: it has probably lost its unit."""
+    for name in sorted({"force", "load"} & table.bare):
+        if "peak_pressure" not in out:
+            continue
+        pressures = np.broadcast_to(out["peak_pressure"].values, out.sizes["case"])
+        crushed = (pressures > DESTROYED) & np.isfinite(pressures) & ~table.empty(name)
+        if crushed.any():
+            row = int(crushed.argmax())
+            value, unit = float(table.columns[name][row]), FACTORS[name].units
+            raise InputError(f"{table.at(row)}: {name}: {lost_unit(value, unit, float(pressures[row]))}")
+
+
 def _unasked(table: Table) -> set[str]:
     """Quantities that nobody misses: of electrodes, of heat and of sliding points, where no case has such a factor."""
     electrodes = () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES,)
@@ -209,19 +225,21 @@ def solve_inside(options: argparse.Namespace) -> None:
     def answer(factors: xr.Dataset) -> xr.Dataset:
         return solve_interior(factors, x, y, fields=fields, materials=options.known)
 
-    table, out = _solved(options, answer, points)
+    table, out = _solved(options, answer, points, checked=True)
     write_whole(out, options.output)
     _tell_written(options, table.count, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
 
 
 def _solved(
-    options: argparse.Namespace, answer: Callable[[xr.Dataset], xr.Dataset], points: int
+    options: argparse.Namespace, answer: Callable[[xr.Dataset], xr.Dataset], points: int, *, checked: bool = False
 ) -> tuple[Table, xr.Dataset]:
-    """A table of cases, and the answer to it."""
+    """A table of cases, and the answer to it; checked: whether bare forces are judged by their pressures before."""
     table = one_case("--at", options.at) if options.cases is None else read_cases(options.cases)
     if options.output is None and (table.count > 1 or options.positions is not None):
         what = "fields" if options.positions is not None else f"{table.count} cases"
         raise InputError(f"solve: {what} need -o OUT.nc or OUT.csv; one case is printed")
+    if checked and {"force", "load"} & table.bare:
+        _check_units(table, solved(table, lambda factors: solve(factors, materials=options.known)))
     return table, solved(table, answer, points)
 
 

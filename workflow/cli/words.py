@@ -1,8 +1,11 @@
 """Texts of options as numbers and pairs, and messages on standard error."""
 
+import codecs
+import io
 import math
 import os
 import sys
+import unicodedata
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -22,6 +25,45 @@ _NO_MODELS = {
     ".svg": "a figure",
     ".yaml": "a study or a material",
 }
+
+
+def printable_streams() -> None:
+    """Let standard output and error replace characters that their encoding lacks by ASCII ones."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors=_REPLACING)
+
+
+def _replaced(error: UnicodeError) -> tuple[str, int]:
+    """Equivalent of the characters that an encoding lacks: ``um`` for ``µm``, ``m-2`` for ``m⁻²``."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    text = error.object[error.start : error.end]
+    before = error.object[: error.start]
+    power = "^" if before.endswith("10") and text[0] in _RAISED else ""
+    return power + "".join(_ASCII.get(letter) or _plain(letter) for letter in text), error.end
+
+
+def _plain(letter: str) -> str:
+    """A letter without its accents; ``?`` for what has no equivalent."""
+    decomposed = unicodedata.normalize("NFKD", letter)
+    return "".join(part for part in decomposed if part.isascii()) or "?"
+
+
+_REPLACING = "meecontact_ascii"
+_RAISED = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
+_ASCII = {
+    **dict.fromkeys("⁻\u2212\u2013\u2014\u2010\u2011", "-"),
+    **dict.fromkeys("µμ", "u"),
+    **dict.fromkeys("ΩΩ", "Ohm"),
+    **dict.fromkeys("·⋅", " "),
+    **dict.fromkeys("\u2018\u2019", "'"),
+    **dict.fromkeys("\u201c\u201d\u201e", '"'),
+    "×": "x", "±": "+-", "ᐟ": "/", "→": "->", "≤": "<=", "≥": ">=", "≈": "~", "°": " deg", "σ": "sigma", "ε": "eps",
+    "α": "alpha", "β": "beta", "π": "pi", "τ": "tau", "ν": "nu", "ø": "o", "Ø": "O", "ł": "l", "ß": "ss", "æ": "ae",
+    "•": "*", "─": "-", "│": "|", "█": "#", "√": "sqrt", "∞": "inf", "‰": "o/oo",
+}  # fmt: skip
+codecs.register_error(_REPLACING, _replaced)
 
 
 def say(message: str) -> None:

@@ -63,6 +63,18 @@ def check_bare(name: str, value: float, units: str = "") -> None:
         raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
 
 
+#: Pressure that no piezoceramic bears [Pa], at which a bare force has probably lost its unit.
+DESTROYED = 1.5e9
+
+
+def lost_unit(value: float, unit: str, pressure: float) -> str:
+    """Return a question about a bare force that presses with a destructive pressure [Pa]."""
+    return (
+        f"{value:g} has no unit, and {value:g} {unit} press with {shown(pressure, 'Pa', 3)}; did you mean {value:g} "
+        f"m{unit}? the unit stands in the header or behind the number"
+    )
+
+
 def number(name: str, value: float | str, units: str = "", context: object = None) -> float:
     """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked.
 

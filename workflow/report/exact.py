@@ -17,6 +17,7 @@ from workflow.study.model import Study
 from workflow.study.target import Target
 
 _TIMES = (0.1, 1.0, 10.0)
+_EDGE = 1 - 1e-12  # position X from which the field at the edge is read
 _TOLD = 1e-3  # relative change that three digits tell
 _STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
 # quantities that read a device and that air changes most
@@ -36,6 +37,7 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
                 "contact": contact(study, answer),
                 "around": compared(study.narrowed(answer.combination), answer.case),
                 "on_datum": of_design(study, study.design[name], answer),
+                "edge": singular_zone(study, answer),
             }
             for name, answer in designs.items()
         },
@@ -87,6 +89,24 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
         moves = not (deviation or np.allclose(values, values[1], rtol=_TOLD, atol=0))
         rows.append({"name": term.name, "values": values.tolist(), "units": term.units, "moves": moves})
     return rows
+
+
+def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
+    """Distance inside the trailing edge within which edge charges add more to sigma_xx than the tension [m].
+
+    In the case that decides a limit of ``trailing_tension``; None without such a limit, in air, which has no such
+    singularity, and of points. There sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
+    """
+    limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
+    narrowed = study.narrowed(answer.combination)
+    if not limits or narrowed.kind.air or narrowed.kind.contact == "point":
+        return None
+    solved = factorial.exact(narrowed, dict(limits[0].worst), [_EDGE], peaks=(), regular=True)
+    tension = float(solved["trailing_tension"])
+    half = float(solved["contact_trailing"] + solved["contact_leading"]) / 2
+    strength = float(solved["stress_xx_regular"][..., 0]) - tension * np.sqrt(1 - _EDGE**2)
+    zone = half * (strength / tension) ** 2 / 2
+    return {"zone": zone, "half": half, "tension": tension} if zone > 0 else None
 
 
 def _solved(study: Study, case: Mapping[str, float]) -> dict[str, np.ndarray[Any, Any]]:

@@ -34,6 +34,8 @@ try:
     STUDY = location.given(configuration.study(read, entries if main else ()))
     if main and workflow.is_main_process:
         workflow.config_settings.config_args = entries
+    if main and workflow.is_main_process and "snakemake" in (Path(sys.argv[0]).stem, Path(sys.argv[0]).parent.name):
+        configuration.check_profiles(sys.argv[1:])
 except studies.InputError as error:
     raise WorkflowError(str(error))
 

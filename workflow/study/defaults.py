@@ -4,13 +4,16 @@ Each reads what the study's sections say alone: nothing is solved.
 """
 
 from solver.body import airless, kind_of
-from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, OF_A_PUNCH, POINT_SLIDING, PROFILES
+from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, LIMITED, OF_A_PUNCH, POINT_SLIDING, PROFILES
+from workflow.language.constants import plain
+from workflow.language.given import number
 from workflow.study.contents import Contents
 from workflow.study.solvable import check_fields, check_groups, hanging_on_datum
 
 _FEEDBACK = ("feedback_capacitance", "feedback_resistance")
 _INSULATED = CHOICES["surroundings"][0]
 _PUNCH = "steel"
+_STRENGTHS = ("tensile_strength", "yield_strength", "depoling_stress")
 #: What a device is read by without and with air: a study that learns the former alone was written for the former.
 _READ = {"capacitance_per_length": "capacitance_at_load", "capacitance": "capacitance_at_force"}
 
@@ -21,6 +24,7 @@ def settle(study: Contents) -> None:
     press(study)
     surround(study)
     discharge(study)
+    remark(study)
 
 
 def rest(study: Contents) -> None:
@@ -64,18 +68,36 @@ def surround(study: Contents) -> None:
     study.tell_default(line)
 
 
+def remark(study: Contents) -> None:
+    """Report limits that compare a strength with a stress that the strength does not bound."""
+    for key, target in study.design.items():
+        try:
+            limits = [limit for limit in target.limits if plain(limit.allowable) in _STRENGTHS]
+        except ValueError:  # which the target's own check reports
+            continue
+        for limit in limits:
+            known = study.kind.every_quantity.keys() | ALL_PEAKS
+            bounded = [name for name in LIMITED[plain(limit.allowable)] if name in known]
+            if {plain(name) for name in limit.expression.names()}.isdisjoint(bounded):
+                study.tell_default(
+                    f"design.{key}: {limit.allowable} is a limit of {' or '.join(bounded)}, "
+                    f"and here bounds {limit.inner} as written"
+                )
+
+
 def discharge(study: Contents) -> None:
     """Give a study of the heat of a touch the feedback of its device, in which charge of it decays."""
     amplifier = study.device.amplifier if study.device else None
     if amplifier is None or "touch_temperature" not in _named(study):
         return
     for name in _FEEDBACK:
-        value = getattr(amplifier, name)
-        if value is None:
+        written = getattr(amplifier, name)
+        if written is None:
             continue
+        value = number(name, written)
         if name in study.factors or study.fixed.get(name, value) != value:
             part = "factors" if name in study.factors else "fixed"
-            raise ValueError(f"device: amplifier: {name}: {value:g} is beside one of the {part}; give one of them")
+            raise ValueError(f"device: amplifier: {name}: {written} is beside one of the {part}; give one of them")
         study.fixed[name] = value
 
 

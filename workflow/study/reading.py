@@ -28,6 +28,14 @@ _INTEGER = re.compile(r"[-+]?(?:0|[1-9][0-9]*)")
 _FLOAT = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
 # what a file's name, a figure and a file's attribute bear: no $, which begins a formula in figures
 _MATERIAL_NAME = re.compile(r"[\w(][\w ()+.,:/%-]{0,59}")
+#: Keys of former releases: section and name.
+_REMOVED = {
+    ("factors", "kinks"),
+    ("factors", "grown_from"),
+    ("surrogate", "budget"),
+    ("surrogate", "until"),
+    ("surrogate", "kernel"),
+}
 _COLON = "a colon and a blank within a text; write the text in quotes"
 _NOT_OF_TYPE = ("list_type", "dict_type", "string_type")
 
@@ -179,6 +187,8 @@ def first_problem(error: "ValidationError", model: "type[BaseModel]", content: M
     place = _written(finding["loc"], content)
     where = ".".join(place)
     message = finding["msg"].removeprefix("Value error, ")
+    if finding["type"] == "extra_forbidden" and (place[0], place[-1]) in _REMOVED:
+        return f"{where}: was removed in 0.3.0; leave it out"
     if finding["type"] == "extra_forbidden":
         return f"{where}: unknown key; {nearest(place[-1], _keys_at(model, place[:-1]))}"
     if finding["type"] == "missing":

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
@@ -306,23 +307,18 @@ def error(quantity: str, text: str) -> tuple[float, float]:
         return size(quantity, text)
 
 
-def _si(units: str = "", *, zero: bool = False) -> BeforeValidator:
-    """Read a number in SI, or with its unit; it must be above 0, or 0 where `zero` says so."""
+def _above_zero(*, itself: bool) -> AfterValidator:
+    def check(written: float | str, info: ValidationInfo) -> float | str:
+        value = number(name := str(info.field_name), written)
+        if not (value >= 0 if itself else value > 0):
+            raise ValueError(f"{value:g} is not a finite number {'>=' if itself else '>'} 0 [{DEVICE[name].units}]")
+        return written
 
-    def read(written: object, info: ValidationInfo) -> object:
-        if not isinstance(written, str | int | float) or isinstance(written, bool):
-            return written
-        value = number(name := str(info.field_name), written, units, info.context)
-        if not (0 < value < float("inf") or (zero and value == 0)):
-            sign = ">=" if zero else ">"
-            raise ValueError(f"{value:g} is not a finite number {sign} 0 [{units or DEVICE[name].units}]")
-        return value
-
-    return BeforeValidator(read)
+    return AfterValidator(check)
 
 
-Positive = Annotated[Given, _si()]
-NotNegative = Annotated[Given, _si(zero=True)]
+Positive = Annotated[Number | str, _above_zero(itself=False)]
+NotNegative = Annotated[Number | str, _above_zero(itself=True)]
 
 
 class Amplifier(Strict):
@@ -379,10 +375,21 @@ class Device(Strict):
     def constants(self) -> dict[str, float]:
         """Every number that is given, by its name in designs, in SI."""
         written = {**dict(self), **dict(self.amplifier or {})}
-        numbers = {name: written[name] for name in DEVICE if written.get(name) is not None}
+        numbers = {name: number(name, written[name]) for name in DEVICE if written.get(name) is not None}
         energy, feedback = BOLTZMANN * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
         # what a resistance discharges: all of a circuit, or a charge amplifier's feedback alone
         return numbers | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
+
+
+def _read(name: str, units: str) -> BeforeValidator:
+    def positive(value: object, info: ValidationInfo) -> object:
+        if isinstance(value, str | int | float) and not isinstance(value, bool):
+            value = number(name, value, units, info.context)
+            if not 0 < value < float("inf"):
+                raise ValueError(f"{value:g} is not a finite number > 0 [{units}]")
+        return value
+
+    return BeforeValidator(positive)
 
 
 class Pressing(Strict):
@@ -390,9 +397,11 @@ class Pressing(Strict):
 
     study: str = Field("", description="name of the study whose design it is, which stands first; empty: this study")
     design: str = Field(description="the design target whose punch it is")
-    force: Annotated[Given, _si("N")] = Field(description="that is held [N]")
-    press: Annotated[Given, _si("s")] = Field(0.1, description="how long pressing takes, and letting go [s]")
-    hold: Annotated[Given, _si("s")] = Field(10.0, description="how long the force is held [s]")
+    force: Annotated[Number, _read("force", "N")] = Field(description="that is held [N]")
+    press: Annotated[Number, _read("press", "s")] = Field(
+        0.1, description="how long pressing takes, and letting go [s]"
+    )
+    hold: Annotated[Number, _read("hold", "s")] = Field(10.0, description="how long the force is held [s]")
 
 
 class ModelValue(Strict):

@@ -1,6 +1,8 @@
 """Checks that the solver can answer a study, and the quantities that its cases lack or share with the datum."""
 
 from collections.abc import Mapping, Sequence
+from math import prod
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -10,10 +12,13 @@ from solver import solve
 from solver.names import ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
 from workflow.language.factors import FACTORS
+from workflow.language.given import DESTROYED
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.reading import located
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
+
+_SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
 
 
 def check_contact(study: Contents) -> None:
@@ -139,6 +144,7 @@ def lacked(study: Contents) -> frozenset[str]:
     """
     if not study.factors:
         return frozenset()
+    began = process_time()
     if study.groups and study.kind.air:
         solved = _solve_stored(study, representatives.corners(study))
     else:
@@ -147,6 +153,8 @@ def lacked(study: Contents) -> frozenset[str]:
         solved = study.solved(solve, {**study.fixed_of_cases, **study.categories, **ends})
         if study.groups:
             _solve_stored(study, representatives.ends(study))
+    _tell_time(study, process_time() - began)
+    _tell_pressure(study, solved)
     if "heat" in solved.attrs:
         study.tell_default(f"heat: {solved.attrs['heat']}")
     peaks = set(study.kind.peaks)
@@ -161,6 +169,34 @@ def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:
     """The answers at some stored cases of a study with groups, which may leave the box of its factors."""
     with located("groups: in a corner of their ranges"):
         return study.solved(solve, {**study.fixed_of_cases, **study.categories, **cases})
+
+
+def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
+    """Report contacts that are pressed beyond every material in all corners of the box: a unit may have been lost."""
+    lowest = float(solved["peak_pressure"].min()) if "peak_pressure" in solved else 0.0
+    if lowest > DESTROYED:
+        names = [name for name in (study.kind.loads.force, "radius", "width") if name in {*study.factors, *study.fixed}]
+        study.tell_default(
+            f"pressure: {lowest / 1e9:.3g} GPa or more in every corner of the box, beyond any material's strength; "
+            f"check {' and '.join(names)}: bare numbers are in SI"
+        )
+
+
+def _tell_time(study: Contents, seconds: float) -> None:
+    """Report, before a run starts, how long its cases take where one takes longer than people wait."""
+    corners = 2 if study.tabled else 2 ** len(study.axes)
+    seconds_per_case = seconds / (corners * len(study.combinations))
+    if seconds_per_case < _SLOW:
+        return
+    names = study.tabled or list(study.axes)
+    levels = prod(study.axes[name].levels or 1 for name in names if name in study.axes)
+    unit = "a case with tables of its own" if study.tabled else "a case"
+    opened = ", its open numbers of levels counted as 1" if study.open else ""
+    count = levels * len(study.combinations)
+    study.tell_default(
+        f"time: {unit} takes about {seconds_per_case:.0f} s of one core; the {count:,} of the data set{opened} take "
+        f"about {count * seconds_per_case / 3600:.2g} h, and random cases for calibration and validation come on top"
+    )
 
 
 def check_fields(study: Contents) -> None:

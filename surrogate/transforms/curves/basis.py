@@ -88,11 +88,6 @@ class Basis:
         weights = self.vectors / self.scales[:, None] ** 2
         return np.asarray(weights.reshape(len(weights), -1) @ (values - self.mean).reshape(len(values), -1).T)
 
-    def values(self, scores: Array) -> Array:
-        """Return the fields of scores, (rank, B): (B, field, point)."""
-        fields = scores.T @ self.vectors.reshape(len(self.vectors), -1)
-        return (fields + self.mean.ravel()).reshape(-1, *self.mean.shape)
-
     def error(self, share: float) -> float:
         """Return the error of every score that makes a root-mean-square error of a share of the fields."""
         return float(share * np.sqrt(self.mean.size / len(self.vectors)))

@@ -81,10 +81,10 @@ REFUSED: dict[str, Case] = {
     "speed: 1 m/s of what is no half-plane without air": FILM | {"speed": 1.0},
     # what is beside the contact
     "surroundings: 'water' is not one of insulated, air": LINE | {"surroundings": "water"},
-    "surroundings: 'air' is not allowed: the punch conducts no field": LINE | AIR | {
+    "surroundings: 'air' is not allowed: its punch conducts no field": LINE | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
-    "surroundings: 'air' is not allowed: the punch has a corner": PRESSED | AIR | {"profile": "flat", "width": 1e-3},
+    "surroundings: 'air' is not allowed: no narrow gap with an end": PRESSED | AIR | {"profile": "flat", "width": 1e-3},
     "gap_permittivity: 0 is not a finite number > 0 and <= 1e+06 [1]": LINE | AIR | {"gap_permittivity": 0.0},
     "gap_permittivity: 2.2 without surroundings: air; only its gap has one": LINE | {"gap_permittivity": 2.2},
     "surroundings: the punch touches the surface beside the contact, at (x - c)/h = ": LINE | {
@@ -93,10 +93,10 @@ REFUSED: dict[str, Case] = {
     },
     "speed: 3000 m/s is not below the limiting speed 2903.13 m/s": LINE | {"material": "steel", "speed": [0.0, 3e3]},
     "speed: needs the density rho": LINE | {"material": solver.Material.isotropic(2e11, 0.3), "speed": 1.0},
-    "surroundings: 'air' is not allowed: the punch conducts no fiel": BALL | AIR | {
+    "surroundings: 'air' is not allowed: its punch conducts no fiel": BALL | AIR | {
         "electric": "insulating", "magnetic": "insulating"
     },
-    "surroundings: 'air' is not allowed: a disc's face touches all over": without(BALL, "radius") | AIR | {
+    "surroundings: 'air' is not allowed: no narrow gap with an en": without(BALL, "radius") | AIR | {
         "profile": "disc", "width": 1e-3
     },
     "gap_radius: missing; must be a finite number > 0 [m]: a cone or a power beside air says nowhere":

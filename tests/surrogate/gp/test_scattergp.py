@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF, ConstantKernel
@@ -49,6 +48,14 @@ def model() -> ScatterGP:
     return ScatterGP(INPUTS, nugget=1e-4).fit(cases(40))
 
 
+def dense_posterior(theta: Array, t: Array, values: Array, points: Array) -> tuple[Array, Array]:
+    """Mean and covariance of a function without noise at points (m, 2), given values (n,) at t (n, 2)."""
+    K = correlation(theta, t, t) + (1e-4 + theta[-1]) * np.eye(len(t))
+    cross = correlation(theta, points, t)
+    weights = np.linalg.solve(K, cross.T)
+    return weights.T @ values, correlation(theta, points, points) - cross @ weights
+
+
 def test_predictions_and_variances_of_derivatives_are_those_of_a_dense_process(model: ScatterGP) -> None:
     data, held, step = cases(40), cases(25, seed=1), 1e-3
     answer, slopes = model.predict(held[["x", "y"]]), model.gradient(held[["x", "y"]], return_std=True)
@@ -58,22 +65,17 @@ def test_predictions_and_variances_of_derivatives_are_those_of_a_dense_process(m
         theta = np.exp(model.regressors_[p].kernel_.theta)
         values = data[name].values
         offset, scale = values.mean(), values.std()
-        factor = cho_factor(correlation(theta, t, t) + (1e-4 + theta[-1]) * np.eye(len(t)))
-        cross = correlation(theta, points / REACH, t)
-        mean = offset + scale * cross @ cho_solve(factor, (values - offset) / scale)
-        np.testing.assert_allclose(answer[name], mean, rtol=0, atol=1e-8 * np.ptp(values))
-        prior = np.diag(correlation(theta, points / REACH, points / REACH)) + theta[-1]
-        variance = scale**2 * (prior - np.einsum("ij,ji->i", cross, cho_solve(factor, cross.T)))
+        mean, C = dense_posterior(theta, t, (values - offset) / scale, points / REACH)
+        np.testing.assert_allclose(answer[name], offset + scale * mean, rtol=0, atol=1e-8 * np.ptp(values))
+        variance = scale**2 * (np.diag(C) + theta[-1])
         widened = answer[f"{name}_std"].values ** 2 / variance  # by the same factor everywhere
         np.testing.assert_allclose(widened, widened[0], rtol=1e-5)
         assert widened[0] > 1 - 1e-5
         for k, input_ in enumerate(INPUTS):
             ends = np.concatenate([points + step * np.eye(2)[k], points - step * np.eye(2)[k]]) / REACH
-            cross = correlation(theta, ends, t)
-            C = np.diag(correlation(theta, ends, ends) - cross @ cho_solve(factor, cross.T))
-            joint = np.einsum("ij,ij->i", cross[:25], cho_solve(factor, cross[25:].T).T)
-            joint = np.diag(correlation(theta, ends[:25], ends[25:])) - joint
-            want = scale**2 * widened[0] * (C[:25] + C[25:] - 2 * joint) / (2 * step) ** 2
+            _, C = dense_posterior(theta, t, values, ends)
+            difference = np.diag(C)[:25] + np.diag(C)[25:] - 2 * np.diag(C[:25, 25:])
+            want = scale**2 * widened[0] * difference / (2 * step) ** 2
             std = slopes[f"{name}_std"].sel(input=input_.name).values / input_.unit_slope(held[input_.name].values)
             np.testing.assert_allclose(std**2, want, rtol=1e-3, atol=1e-6 * scale**2)
     assert answer["f"].attrs["units"] == "K"

@@ -59,18 +59,6 @@ def test_kinked_outputs_are_named_and_nothing_is_claimed_for_them(pilot: xr.Data
         chosen(kinked, 1e-4, outputs=["kink", "worst"])
 
 
-def test_an_unreachable_tolerance_says_what_would_reach_it(pilot_decays: Decays) -> None:
-    needed = choose(pilot_decays, 1e-7, 10**7).counts
-    with pytest.raises(UnreachableError) as caught:
-        choose(pilot_decays, 1e-7, 20_000)
-    said = str(caught.value)
-    assert said.startswith(f"tolerance 1e-07 needs {prod(needed.values()):,} cases ({needed['mixture']} mixture x ")
-    offered = float(re.findall(r"the budget is 20,000; 20,000 cases reach about (\S+)", said)[0])
-    assert prod(choose(pilot_decays, offered * 1.05, 20_000).counts.values()) <= 20_000
-    with pytest.raises(UnreachableError):
-        choose(pilot_decays, offered * 0.8, 20_000)
-
-
 def test_noise_in_the_data_bounds_the_tolerance(pilot: xr.Dataset) -> None:
     noisy = pilot[["mixed"]].copy(deep=True)
     noisy["mixed"] *= 1 + 1e-6 * np.random.default_rng(0).normal(size=noisy["mixed"].shape)
@@ -131,22 +119,16 @@ def test_the_predicted_error_covers_that_of_interpolation_without_waste(family: 
 Levels = dict[str, NDArray[np.float64]]
 
 
-class Solver:
-    """The test functions on any levels, counting the cases."""
-
-    cases = 0
-
-    def __call__(self, levels: Levels) -> xr.Dataset:
-        self.cases += int(np.prod([len(axis) for axis in levels.values()]))
-        return xr.Dataset(functions.outputs({n: xr.DataArray(x, dims=n, coords={n: x}) for n, x in levels.items()}))
+def solved(levels: Levels) -> xr.Dataset:
+    """The test functions on any levels."""
+    return xr.Dataset(functions.outputs({n: xr.DataArray(x, dims=n, coords={n: x}) for n, x in levels.items()}))
 
 
 @pytest.mark.sampled(2)
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 def test_the_counts_deliver_and_are_no_waste(tolerance: float) -> None:
-    solver = Solver()
-    result = explore(solver, functions.INPUTS, tolerance, 1_000_000)
-    assert result.cases == solver.cases <= 1_000_000
+    result = explore(solved, functions.INPUTS, tolerance, 1_000_000)
+    assert result.cases <= 1_000_000
     assert result.choice.affine == ("bias",)
     assert result.choice.extrapolated == ()
     assert max(result.choice.error.values()) <= tolerance
@@ -175,6 +157,20 @@ def test_a_kink_is_told_from_a_near_pole_by_refinement() -> None:
     assert int(result.choice.decay["kinked"].sum()) == 1
 
 
+def test_an_unreachable_tolerance_says_what_would_reach_it() -> None:
+    levels = {input_.name: input_.levels(17) for input_ in PLANE}
+    plane_decays = decays(plane(levels), PLANE, ["pole", "smooth"])
+    needed = choose(plane_decays, 1e-9, 10_000).counts
+    with pytest.raises(UnreachableError) as caught:
+        choose(plane_decays, 1e-9, 60)
+    said = str(caught.value)
+    assert said.startswith(f"tolerance 1e-09 needs {prod(needed.values()):,} cases ({needed['x']} x x {needed['y']} y)")
+    offered = float(re.findall(r"the budget is 60; 60 cases reach about (\S+)", said)[0])
+    assert prod(choose(plane_decays, offered * 1.05, 60).counts.values()) <= 60
+    with pytest.raises(UnreachableError):
+        choose(plane_decays, offered * 0.8, 60)
+
+
 def test_given_counts_are_kept_and_blamed_when_too_few() -> None:
     assert explore(plane, PLANE, 1e-4, 20_000, fixed={"y": 12}).choice.counts["y"] == 12
     with pytest.raises(UnreachableError, match=r"out of reach with 3 levels of 'y': output 'smooth' errs by"):
@@ -191,3 +187,5 @@ def test_the_budget_bounds_the_pilots_too() -> None:
     with pytest.raises(UnreachableError, match="the budget is 200; 200 cases reach about"):
         explore(counted, PLANE, 1e-9, 200)
     assert sum(cases) <= 200
+    cases.clear()
+    assert explore(counted, PLANE, 1e-6, 20_000).cases == sum(cases)

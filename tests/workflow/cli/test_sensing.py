@@ -69,14 +69,13 @@ def test_long_signals_are_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def test_histories_are_tables_with_units(
     text: str, length: float | None, forces: list[float], command: Command
 ) -> None:
-    history = read_history(command.file("history.csv", text), length)
+    history, bare = read_history(command.file("history.csv", text), length)
     np.testing.assert_allclose(history.times, [0, 0.5, 1.5], rtol=1e-12)
     np.testing.assert_allclose(history.forces, forces, rtol=1e-12)
+    assert bare == text.startswith("force,")
 
 
-@pytest.mark.parametrize(("heading", "zero"), [("temperature [K]", 0.0), ("temperature [degC]", 273.15)])
-def test_a_history_may_have_temperatures(heading: str, zero: float, command: Command) -> None:
-    path = command.file("history.csv", f"time [s],force [N],{heading}\n0,0,22\n1,1,33.5\n")
-    temperatures = read_history(path, None).temperatures
-    assert temperatures is not None
-    np.testing.assert_allclose(temperatures, [22 + zero, 33.5 + zero], rtol=1e-15)
+def test_a_history_may_have_temperatures(command: Command) -> None:
+    for heading, zero in (("temperature [K]", 0.0), ("temperature [degC]", 273.15), ("Temperature °C", 273.15)):
+        path = command.file("history.csv", f"time [s],force [N],{heading}\n0,0,22\n1,1,33.5\n")
+        assert read_history(path, None)[0].temperatures == pytest.approx([22 + zero, 33.5 + zero], rel=1e-15)

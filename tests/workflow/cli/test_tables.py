@@ -43,8 +43,12 @@ def test_a_long_cell_does_not_widen_its_column(command: Command) -> None:
 HEADERS = [
     "thickness [um],force [N]",
     "thickness (um),force (N)",
+    '"thickness, um","force, N"',
     "thickness / um,force / N",
     "thickness_um,force_N",
+    "thickness in um,force in N",
+    "thickness um,force N",
+    "sep=,\nthickness [μm],force",
     "Thickness [µm],Force [N]",
     "thickness,force\num,N",
     "thickness,force\n[um],[N]",
@@ -79,7 +83,7 @@ def test_quotes_blanks_and_lines_of_other_programs_are_read(tmp_path: Path) -> N
     assert table.empty("radius").tolist() == [False, True, False]
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "cp1252"])
 @pytest.mark.parametrize(("separator", "mark"), [(";", ","), ("\t", ","), (";", "."), ("\t", "."), (",", ".")])
 def test_tables_of_spreadsheets_are_read(encoding: str, separator: str, mark: str, tmp_path: Path) -> None:
     rows = [["material", "thickness [µm]", "radius"], ["PZT-4", f"20{mark}5", f'"{mark}05"'], ["", "", f"5{mark}5 mm"]]
@@ -192,11 +196,9 @@ def test_a_table_mixes_lines_points_and_surroundings(tmp_path: Path, command: Co
 
 MIXED = """\
 profile,radius,width,slope,material,volume_fraction,load,friction,charge,magnetic,speed,corner,moment
-cylinder,0.05,,,BaTiO3,,1e5,0.3,1e-6,conducting,,,
-flat,,0.01,,,0.4,1e5,0.2,,insulating,,,
+flat,,0.01,,,0.4,1e5,0.2,1e-6,insulating,,,
 wedge,,,0.02,PZT-4,,2e4,0.1,,,,leading,
 half_cylinder,0.1,,,,0.5,1e5,0.3,,,800,trailing,
-flat,,0.01,,CoFe2O4,,1e5,0.2,,,,,-20
 """
 
 
@@ -212,10 +214,10 @@ def test_a_table_of_every_kind_of_punch_has_fields_at_and_below_the_surface(tmp_
         expected = solver.solve(factors, [-2.0, 0.0, 0.5], peaks=True)
         for name in names:
             np.testing.assert_allclose(data[name].isel(case=row), expected[name], rtol=1e-9, err_msg=f"{name}, {row}")
-    expected = solver.solve_interior(list(cases(MIXED))[2], [-1.2, 0, 2], [-0.5, 0])
+    expected = solver.solve_interior(list(cases(MIXED))[1], [-1.2, 0, 2], [-0.5, 0])
     for name in INTERIOR:
         scale = float(np.abs(expected[name]).max())
-        np.testing.assert_allclose(inside[name].isel(case=2), expected[name], rtol=1e-9, atol=1e-12 * scale)
+        np.testing.assert_allclose(inside[name].isel(case=1), expected[name], rtol=1e-9, atol=1e-12 * scale)
 
 
 def test_fields_inside_films_end_at_a_rigid_base(command: Command) -> None:

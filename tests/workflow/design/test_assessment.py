@@ -43,6 +43,20 @@ def test_a_punch_without_a_voltage_is_judged_and_drawn() -> None:
     assert set(figures_of(answer, Target.model_validate(target))) == {"map", "slices", "contact"}
 
 
+@pytest.mark.parametrize(
+    ("profile", "flagged"), [({"radius": 1e-7}, True), ({"profile": "flat", "width": 1e-4}, False)]
+)
+def test_too_wide_a_contact_is_told_of_a_fixed_radius_too(profile: dict[str, Any], flagged: bool) -> None:
+    target = {"maximise": "abs(voltage_per_load)", "over": ["volume_fraction", "load"]}
+    answer = ask({"volume_fraction": FRACTION, "load": LOAD}, profile, **target)
+    flags = answer.flags
+    assert ("no longer a parabola" in flags) == flagged
+    assert ("both surfaces must be smoother than most are" in flags) == (exact_ranges(answer)["depth"][1] < 1e-7)
+    if flagged:
+        width = sum(exact_ranges(answer)[f"contact_{side}"][1] for side in ("trailing", "leading"))
+        assert f"the contact is {width / profile['radius']:.2g} of the radius wide" in flags
+
+
 SQUARE = {"volume_fraction": FRACTION, "radius": RADIUS}
 
 

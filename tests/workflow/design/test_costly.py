@@ -33,13 +33,13 @@ STUDY = Study.model_validate(
             "radius": {"low": 0.02, "high": 0.15, "levels": 5, "scale": "log"},
         },
         "dataset": {"peaks": True},
-        "surrogate": {"outputs": ["voltage_per_load", "peak_von_mises", "peak_principal_tension"]},
+        "surrogate": {"outputs": ["voltage_per_load", "peak_principal_tension"]},
         "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-2},
     }
 )
 RANGE = {"friction": [0.1, 0.4]}
 DRAWN = {"friction": {"triangular": [0.1, 0.2, 0.4]}}
-CRACK, YIELD = "peak_principal_tension <= 60 MPa", "peak_von_mises <= 120 MPa"
+CRACK = "peak_principal_tension <= 60 MPa"
 
 
 def target(**words: object) -> Target:
@@ -65,15 +65,13 @@ def dense() -> xr.Dataset:
     fixed = {"composite": "fibrous", "load": 5e4}
     searched = solve({**fixed, **over, "radius": 0.05}, peaks=True)
     whole = solve({**fixed, **over, "radius": np.geomspace(0.02, 0.15, 200)})
-    for name in ("peak_von_mises", "peak_principal_tension"):
-        whole[name] = searched[name] / searched["peak_pressure"] * whole["peak_pressure"]
-    return whole
+    share = searched["peak_principal_tension"] / searched["peak_pressure"]
+    return whole.assign(peak_principal_tension=share * whole["peak_pressure"])
 
 
-@pytest.mark.parametrize("limit", [CRACK, pytest.param(YIELD, marks=pytest.mark.soak)])
-def test_a_limit_on_a_searched_stress_costs_nothing(model: GaussianProcess, dense: xr.Dataset, limit: str) -> None:
-    answer = targets.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[limit]), model)
-    name, bound = limit.split()[0], answer.term(limit).limit
+def test_a_limit_on_a_searched_stress_costs_nothing(model: GaussianProcess, dense: xr.Dataset) -> None:
+    answer = targets.answer(STUDY, "sensor", target(worst_case=RANGE, subject_to=[CRACK]), model)
+    name, bound = "peak_principal_tension", 60e6
     allowed = dense[name].max("friction") <= bound
     best = float(abs(dense["voltage_per_load"]).min("friction").where(allowed).max())
     variables = {key: answer.variable(key).value for key in ("volume_fraction", "radius")}
@@ -86,37 +84,28 @@ def test_a_limit_on_a_searched_stress_costs_nothing(model: GaussianProcess, dens
     assert answer.variable("radius").sensitivity.margin_left == pytest.approx(-0.005, abs=2e-4)  # ~ 1/sqrt(radius)
 
 
-@pytest.fixture(scope="module")
-def kinked() -> tuple[Study, GaussianProcess]:
+KINK = """\
+title: Kink
+fixed: {composite: fibrous, load: 1e4, radius: 0.1}
+factors:
+  volume_fraction: {low: 0.5, high: 0.95, levels: 6}
+  friction: {low: 0.0, high: 0.6, levels: 24}
+dataset: {peaks: true}
+surrogate: {outputs: [peak_von_mises, peak_pressure]}
+validation: {cases: 20, calibration: 40, tolerance: 1e-1}
+design:
+  most: {maximise: friction, over: [friction], at: {volume_fraction: 0.9}, subject_to: [peak_von_mises <= 44 MPa]}
+"""
+
+
+def test_a_limit_at_a_kink_is_met() -> None:
     """The largest von Mises stress leaves the depth for the surface layer at a friction near 0.41."""
-    study = Study.model_validate(
-        {
-            "title": "Kink",
-            "fixed": {"composite": "fibrous", "load": 1e4, "radius": 0.1},
-            "factors": {
-                "volume_fraction": {"low": 0.5, "high": 0.95, "levels": 6},
-                "friction": {"low": 0.0, "high": 0.6, "levels": 24},
-            },
-            "dataset": {"peaks": True},
-            "surrogate": {"outputs": ["peak_von_mises", "peak_pressure"]},
-            "validation": {"cases": 20, "calibration": 40, "tolerance": 1e-1},
-        }
-    )
-    return study, fitted(study)
-
-
-@pytest.mark.sampled(1)
-@pytest.mark.parametrize("bound", [44.0, 46.0, 47.0])
-def test_a_limit_at_a_kink_is_met(kinked: tuple[Study, GaussianProcess], bound: float) -> None:
-    most = Target.model_validate(
-        {"maximise": "friction", "over": ["friction"], "at": {"volume_fraction": 0.9},
-         "subject_to": [f"peak_von_mises <= {bound} MPa"]}
-    )  # fmt: skip
-    answer = targets.answer(kinked[0], "most", most, kinked[1])
+    study = made(KINK)
+    answer = targets.solve_target(study, "most", fitted(study))
     case = {"composite": "fibrous", "load": 1e4, "radius": 0.1, "volume_fraction": 0.9}
 
     def excess(friction: float) -> float:
-        return float(solve({**case, "friction": friction}, peaks=True)["peak_von_mises"]) / (1e6 * bound) - 1
+        return float(solve({**case, "friction": friction}, peaks=True)["peak_von_mises"]) / 44e6 - 1
 
     friction = answer.variable("friction").value
     assert excess(friction) <= 0
@@ -159,7 +148,6 @@ class Closed(Exact):
     ("words", "most", "accuracy"),
     [
         ({"worst_case": RANGE, "subject_to": [CRACK]}, 120, 1e-12),
-        ({"worst_case": RANGE, "subject_to": ["peak_principal_tension >= 30 MPa"]}, 120, 1e-12),
         ({"uncertain": DRAWN, "subject_to": [f"{CRACK} with probability 0.9"]}, 700, 1e-6),
         ({"uncertain": DRAWN, "subject_to": ["peak_principal_tension >= 30 MPa with probability 0.99"]}, 700, 1e-6),
         # a thousandth of the weight is believed to the surrogate, 2 % off: 2e-5 of a mean of which 0.3 is the deviation

@@ -348,7 +348,6 @@ def test_signals_are_judged_at_the_smallest_force_and_stresses_at_the_largest() 
     assert budget["roughness"].left_out_matters == pytest.approx(8.1057e-9, rel=1e-4)
 
 
-HALF_SPACE = {"material": "PZT-4", "profile": "sphere", "radius": 0.02, "force": 0.2}
 FILM = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "punch": "steel"}
 
 
@@ -356,7 +355,7 @@ FILM = {"material": "PZT-4", "thickness": 1e-4, "base": "steel", "punch": "steel
     ("name", "case", "solved", "said"),
     [
         ("heat", BALL | {"base": "rigid"}, None, "Heat is not known for the base 'rigid': conductivity"),
-        ("heat", HALF_SPACE, None, "Heat is solved for films only."),
+        ("heat", STEEL | {"material": "PZT-4"}, None, "Heat is solved for films only."),
         ("heat", FILM | SPACE, ENDS, "Heat is not solved for contacts in space."),
         ("tilt", FILM | SPACE, ENDS, "Tilt and ends of the roller are solved."),
         ("tilt", WEDGE, None, "Tilt is not figured for the profile wedge."),

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from surrogate import GridGP, save
 from surrogate.transforms.measured import Measurements
-from tests.workflow.study.test_uncertainty import FILM
 from workflow.cli import main
 from workflow.dataset import draws, factorial
 from workflow.learning import correction
@@ -80,31 +79,6 @@ def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Stu
     assert (after / before)[:2].max() < 0.3
     moved = [(c["mean"] - true) / c["std"] for c, true in zip(summary.plain["constants"], z, strict=True)]
     assert np.mean(np.abs(moved) < 1.96) > 0.85  # of 8 constants
-
-
-def test_a_perturbed_base_is_found(tmp_path: Path) -> None:
-    study, model = study_of(FILM, tmp_path)
-    known = uncertainty.uncertain(study, {"steel modulus": None, "steel poisson": None})
-    z = np.array([-1.8, 0.5])
-    X, exact = truth(study, model, known, z, 60, 3)
-    steel = [model.outputs_.index(f"{name}[steel]") for name in ("depth", "contact_trailing")]
-    messages: list[str] = []
-    corrected, summary = correction.learn(
-        study, model, rows(X[:25], exact[:25], steel, 0.002, 3), known, messages.append
-    )
-    modulus = summary.plain["constants"][0]
-    assert modulus["mean"] == pytest.approx(-1.8, abs=3 * modulus["std"])
-    assert modulus["std"] < 0.5
-    lower, upper = corrected.interval_array(X[25:])
-    inside = (lower <= exact[25:]) & (exact[25:] <= upper)
-    assert inside[:, steel].mean() > 0.9
-    rigid = [k for k, name in enumerate(model.outputs_) if name.endswith("[rigid]")]
-    np.testing.assert_allclose(
-        corrected.predict_array(X)[:, rigid], model.predict_array(X)[:, rigid], rtol=1e-9
-    )  # a rigid base has no modulus
-    assert any(message.startswith("1 of 2: steel modulus") for message in messages)
-    assert summary.lines[0] == "25 rows, 50 measured values"
-    assert any(line.startswith("steel modulus: moved by -1.") for line in summary.lines)
 
 
 def test_outliers_are_told_and_hide_no_constant(half_plane: tuple[Study, GridGP]) -> None:

@@ -10,7 +10,7 @@ import pytest
 from docs import measurements
 from storage.netcdf import read_whole, write_whole
 from workflow.measured import comparison
-from workflow.measured.comparison import AGREES_WITHIN, Row, Spread, compared, dataset, judged, modelled, valued
+from workflow.measured.comparison import Row, Spread, compared, dataset, judged, modelled, valued
 from workflow.report import sentences
 from workflow.report.figures import measured_rows
 from workflow.study.reading import InputError
@@ -127,7 +127,6 @@ def test_two_standard_deviations_decide(changed: dict[str, Any], modelled: Sprea
 
 
 def test_a_verdict_has_its_deviations_and_its_reason() -> None:
-    assert AGREES_WITHIN == 2
     measured = row()
     # 10 over the root of 9 and 16
     assert valued(measured, measured.model[0], spread(20.0, 4.0))["off"] == pytest.approx(2.0)

@@ -11,7 +11,7 @@ from solver.halfplane.surface import HalfPlane
 from storage.netcdf import read_whole
 from tests.workflow.conftest import Project
 from workflow.design.verdict import netcdf
-from workflow.report.exact import changes, of_design
+from workflow.report.exact import changes, of_design, singular_zone
 from workflow.study.datum import HANGING
 from workflow.study.model import load
 
@@ -49,6 +49,20 @@ def test_a_design_says_what_another_datum_makes_of_it(ran: Project) -> None:
     assert row["values"][2] - row["values"][1] == pytest.approx(row["values"][1] - row["values"][0], rel=1e-9)
     other = netcdf.read(ran.folder / "results/small/design/impossible.nc")
     assert of_design(study, study.design["impossible"], other) == []  # a stroke, under a tension
+
+
+def test_conduction_outweighs_the_tension_in_the_zone_that_the_page_names(ran: Project) -> None:
+    study = load(ran.folder / "config/small.yaml")
+    answer = netcdf.read(ran.folder / "results/small/design/sensor.nc")
+    edge = singular_zone(study, answer)
+    assert edge is not None
+    case = dict(answer.terms[1].worst)
+    inside, outside = 1 - np.array([1.0, 25.0]) * edge["zone"] / edge["half"], [1 + 1e-9]
+    exact = solver.solve(case, [*inside, *outside])
+    stress = exact["stress_xx"].values
+    assert stress[2] == pytest.approx(float(exact["trailing_tension"]), rel=1e-3)
+    assert abs(stress[0] - stress[2]) == pytest.approx(edge["tension"], rel=0.05)
+    assert abs(stress[1] - stress[2]) < edge["tension"] / 2
 
 
 def test_page_card_and_files_name_the_datum(ran: Project) -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from solver import find
 from solver.names import FILM_QUANTITIES, QUANTITIES
-from tests.studies import made, shipped
+from tests.studies import edited, made, shipped
 from workflow.study import coupling, datum
 from workflow.study.allowable import allowable
 from workflow.study.model import Study, thawed
@@ -53,7 +53,6 @@ def test_only_depths_on_a_base_that_gives_hang_on_the_datum(study: Study) -> Non
     assert datum.hanging(steel) == hangs == datum.hanging(study)
     charged = steel.model_copy(update={"fixed": {**steel.fixed, "magnetic_charge": 1e-4}})
     assert datum.hanging(charged) == {*hangs, "magnetic_potential"}
-    assert datum.meaning("voltage", datum.hanging(study)) == "electric potential of the punch"
     assert datum.meaning("depth", datum.hanging(study)) == "indentation depth relative to the datum"
 
 
@@ -84,6 +83,15 @@ def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_f
     surrogate = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
     assert coupling.told(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
     assert coupling.told(QUICKSTART) == QUICKSTART.outputs
+
+
+def test_a_strength_that_bounds_another_stress_is_reported() -> None:
+    bounded = edited(FILM, "nominal_field <= 3 kV/mm", "trailing_tension <= tensile_strength")
+    assert not any(line.startswith("design.") for line in made(bounded).defaults)
+    limited = made(edited(bounded, "trailing_tension", "peak_pressure")).defaults
+    (said,) = (line for line in limited if line.startswith("design.thin: "))
+    assert said.startswith("design.thin: tensile_strength is a limit of trailing_tension or ")
+    assert said.endswith("and here bounds peak_pressure as written")
 
 
 def test_a_composite_bears_what_its_weaker_phase_does() -> None:

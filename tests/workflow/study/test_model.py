@@ -171,6 +171,13 @@ validation: {cases: 20, calibration: 40}
 """
 
 
+def test_a_box_that_no_material_bears_is_told_before_it_runs() -> None:
+    assert not made(POINT).defaults
+    heavy = made(edited(edited(POINT, "0.01", "0.001"), "low: 1.0, high: 2.0", "low: 500, high: 900")).defaults
+    assert [line.partition(":")[0] for line in heavy] == ["pressure"]
+    assert heavy[0].endswith("check force and radius: bare numbers are in SI")
+
+
 def test_a_number_with_its_unit_passes_again_when_a_job_thaws_the_study() -> None:
     study = made(edited(edited(POINT, "0.01", "20 m"), "low: 1.0, high: 2.0", "low: 1 GN, high: 5 GN"))
     assert thawed(study.frozen()).fixed["radius"] == remade(study, title="again").fixed["radius"] == 20.0

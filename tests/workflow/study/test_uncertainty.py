@@ -5,7 +5,7 @@ import pytest
 
 from solver import Material, find, solve
 from solver.names import THERMAL as NAMES
-from tests.studies import made
+from tests.studies import made, shipped
 from workflow.dataset import factorial
 from workflow.study import uncertainty
 from workflow.study.model import Study, load
@@ -45,11 +45,9 @@ def test_families_and_their_priors(film: Study) -> None:
 
 
 def test_the_first_design_question_tells_the_distribution_of_a_factor() -> None:
-    study = load("config/peaks.yaml")
-    assert list(study.distributions) == ["friction"]
-    poled = study.design["poled"]
-    narrow = poled.model_copy(update={"uncertain": {"friction": Distribution(uniform=[0.1, 0.2])}})
-    pair = study.model_copy(update={"design": {"narrow": narrow, "poled": poled}})
+    study = shipped("peaks")
+    narrow = study.design["poled"].model_copy(update={"uncertain": {"friction": Distribution(uniform=[0.1, 0.2])}})
+    pair = study.model_copy(update={"design": {"narrow": narrow, "poled": study.design["poled"]}})
     assert pair.distributions == {"friction": Distribution(uniform=[0.1, 0.2])}
 
 

@@ -19,12 +19,15 @@ from workflow.design.verdict import linearity, merit
 from workflow.design.verdict.answer import Answer, Constant, End, Range, Role, Scenario, Sensitivity, Variable
 from workflow.design.verdict.answer import Term as JudgedTerm
 from workflow.language.factors import FACTORS
+from workflow.language.numbers import shown
 from workflow.language.statements import Limit, Objective
 from workflow.study import uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
+_SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
+_WIDE, _SMOOTH = 1e-5, 1e-7  # m: a contact that is not a tip's, and the depth below which roughness decides it
 _PILOT = 512
 _ELASTIC_STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable
@@ -101,7 +104,7 @@ def judge(design: Question) -> Answer:
     beyond = linearity.beyond(design.study, corner, _field_below(design, corner))
     thickness = design.factor("thickness", corner["depth"]) if "depth" in corner else None
     beyond += linearity.beyond_small_strain(design.study, corner, _radius(design, corner), thickness)
-    notes = [*(words for words, _ in beyond), *design.notes]
+    notes = [*(words for words, _ in beyond), *_flags(design, corner), *design.notes]
     constants, effects = spread(design, worst)
     out = Answer(
         terms=_terms(design, guessed, exact, worst, effects),
@@ -246,6 +249,17 @@ def _radius(design: Question, corner: Mapping[str, Array]) -> Array | None:
     if "radius" not in PROFILES[str(design.study.fixed.get("profile", CHOICES["profile"][0]))].needs:
         return None
     return design.factor("radius", corner[design.study.kind.ends[0]])
+
+
+def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
+    """Remarks on a contact that is too wide for a parabola or too shallow for real surfaces."""
+    trailing, leading = design.study.kind.extents(corner)
+    width, radius = trailing + leading, _radius(design, corner)
+    share = float((width / radius).max()) if radius is not None else 0.0
+    flags = [f"the contact is {share:.2g} of the radius wide: no longer a parabola"] if share > _SLENDER else []
+    if "depth" in corner and width.max() > _WIDE and (depth := float(corner["depth"].max())) < _SMOOTH:
+        flags.append(f"depth of {shown(depth, 'm', 3)}: both surfaces must be smoother than most are")
+    return flags
 
 
 def sensitivities(design: Question, exact: Array) -> dict[str, Sensitivity]:
