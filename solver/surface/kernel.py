@@ -270,7 +270,7 @@ def _layer_cells(
         farthest = _WIDEST  # so that levels share a table
     reach = body.thickness * 2.0 ** max(np.ceil(np.log2(farthest)), -3)
     # of blurs that are powers of two, so that the levels of all windows share tables
-    blur = 2.0 ** np.round(np.log2(_BLUR * min(dx, dy))) if is_far else 0.0
+    blur = 2.0 ** round(np.log2(_BLUR * min(dx, dy))) if is_far else 0.0
     table = _layer_table(body, pairs, reach, blur)
     x, y = (np.asarray(np.arange(-n - 2, n + 3) * d, np.float64) for n, d in ((nx, dx), (ny, dy)))
     mean = _cell_mean(_cell_mean(table.at(x, y), 1), 2)

@@ -6,7 +6,7 @@ from scipy.special import ellipe, ellipk
 
 import solver
 from solver.surface.contact import SurfaceContact, solve_contact
-from solver.surface.response import SurfaceBody
+from solver.surface.response import SurfaceBody, SurfaceLayer
 from solver.surface.shape import Cone, Disc, Ellipsoid, RoughSphere, sphere
 
 
@@ -72,6 +72,29 @@ def test_charge_of_a_cut_is_its_stroke(material: str, cut: str, charge: float) -
     assert per_force(contact) == pytest.approx(stroke, rel=4e-3)
     # a gap that closes at the edge takes charge, which linear reciprocity leaves out: up to 1 % where air is thin
     assert 1e12 * induced[0] / force[0] == pytest.approx(stroke, rel=1.2e-2)
+
+
+def test_a_sliding_sphere_loses_load_and_charge_to_the_second_order() -> None:
+    rest, slow, fast = (
+        solve_contact(half_space("BaTiO3"), sphere(1.0), depth=1e-4, friction=eta, air=None, cells=64)
+        for eta in (0.0, 0.3, 0.6)
+    )
+    # windows differ by 2 %, which changes forces by some 3e-5; grids of 128 and 192 cells give -7.70e-4 and -3.04e-3
+    assert slow.force[2] / rest.force[2] - 1 == pytest.approx(-7.62e-4, abs=8e-5)
+    assert fast.force[2] / rest.force[2] - 1 == pytest.approx(-2.99e-3, abs=8e-5)
+    assert slow.charge / rest.charge - 1 == pytest.approx(-1.38e-3, rel=0.1)  # like its edge cells
+
+
+def test_charge_varies_smoothly_with_the_load_and_turns_with_the_crystal() -> None:
+    film = SurfaceBody((SurfaceLayer(half_space("PZT-4").stiffnesses[0], 1e-4),))
+    forces = 4.0 * 1.03 ** np.arange(5)
+    charges = np.log([per_force(solve_contact(film, sphere(5e-3), force=f, cells=64, end=5e-3)) for f in forces])
+    assert np.ptp(np.diff(charges)) < 4e-4  # between neighbours that differ by 1e-3
+    along, across = (
+        solve_contact(half_space("PZT-4", cut), sphere(5e-3), force=4.0, cells=32)
+        for cut in ("tilt 30 deg", "euler -90 30 180")
+    )
+    assert across.charge == pytest.approx(along.charge, rel=1e-6)
 
 
 def test_rough_spheres_have_their_roughness_on_every_grid_and_another_surface_each() -> None:

@@ -40,6 +40,26 @@ def test_multipliers_are_those_of_the_oracle(name: str) -> None:
         np.testing.assert_allclose(computed, exact, rtol=0, atol=2e-8 * np.max(np.abs(exact)))
 
 
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("LiNbO3", [13.0611, 13.3693 - 0.9122j]),
+        # 216.597 + 98.110i and 226.715 of the theory, with permittivities of 730 and 635 times vacuum's
+        ("tilt 30 deg PZT-4", [216.593 + 98.112j, 226.712]),
+    ],
+)
+def test_charge_of_a_plane_punch_along_x_and_y(name: str, expected: list[complex]) -> None:
+    Y = SurfaceBody((), stiffness(name)).multiplier(HALF_SPACE, np.array([0.0, np.pi / 2]))[0]
+    np.testing.assert_allclose(-1e12 * Y[:, 3, 2] / Y[:, 3, 3], expected, atol=1e-3)
+
+
+@pytest.mark.parametrize(("name", "charge"), [("LiNbO3", 5.30612), ("36Y LiNbO3", 23.30671), ("X quartz", 1.97141)])
+def test_thin_film_has_the_charge_of_a_uniform_strain(name: str, charge: float) -> None:
+    film = SurfaceBody((SurfaceLayer(stiffness(name), 1.0),))
+    Y = film.multiplier(np.array([1e-3]), np.array([0.3]))[0, 0]
+    assert abs(1e12 * (Y[3, 2] / Y[3, 3]).real) == pytest.approx(charge, abs=1e-4)
+
+
 @pytest.mark.parametrize("names", [("PZT-4", "rigid"), ("BaTiO3", "silicon"), ("PZT-4", "copper", "silicon")])
 def test_multiplier_of_a_stack_isotropic_about_its_normal_is_that_of_the_plane(names: tuple[str, ...]) -> None:
     *layers, base = names
