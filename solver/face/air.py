@@ -1,6 +1,7 @@
 """Cases with air beside the contact: a film's as without, a half-plane's as a film bonded to its own material."""
 
 from collections.abc import Sequence, Set
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,11 +9,13 @@ from approximation.arrays import Indices
 from solver.arrays import Array
 from solver.body import HALF_PLANE_IN_AIR
 from solver.face.film import OnFilm, Outputs
-from solver.face.filmbodies import Bodies, half_planes
+from solver.face.filmbodies import Bodies, films_of
 from solver.face.halfplane import contact_of
 from solver.gap.fields import body_curves, body_peaks, curves, fields, inside, peaks
 from solver.gap.quantities import quantities
 from solver.names import PEAKS
+
+_HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
 
 
 class FilmInAir(OnFilm):
@@ -32,8 +35,9 @@ class HalfPlaneInAir(FilmInAir):
     """
 
     def _made(self) -> Bodies:
+        """Half-planes as films of their own material, as thick as puts all contacts into the middle of one window."""
         with np.errstate(all="ignore"):
-            return half_planes(self.cases, contact_of(self.cases).half_width)
+            return replace(films_of(self.cases), thickness=contact_of(self.cases).half_width / _HALF_LENGTH)
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of a half-plane in air that every case has; (...)."""

@@ -151,7 +151,7 @@ class Cases(FactorValues):
         if len(self.sizes) != 1 or self.kind.tabled:
             return list(solved(self))
         whole: list[dict[str, Array]] | None = None
-        for done, rows, block in self._blocks(min(_BLOCK, max(1, _VALUES // values)), sort=values > 1):
+        for rows, block in self._blocks(min(_BLOCK, max(1, _VALUES // values)), sort=values > 1):
             parts = solved(block)
             if whole is None:
                 whole = [dict[str, Array]() for _ in shapes]
@@ -159,29 +159,23 @@ class Cases(FactorValues):
             for outputs, known, shape, wanted in zip(parts, whole, shapes, names, strict=True):
                 wanted[:] = [name for name in wanted if name in outputs]
                 for name in wanted:
-                    self._fill(known, name, outputs[name], shape, done, rows)
+                    self._fill(known, name, outputs[name], shape, rows)
         return [{name: known[name] for name in wanted} for known, wanted in zip(whole or (), names, strict=True)]
 
-    def _fill(
-        self, whole: dict[str, Array], name: str, values: Array, shape: tuple[int, ...], done: Rows, rows: Rows
-    ) -> None:
-        """Put an output of some rows among those of the rows that are done; one that no row changes is kept once."""
-        (count,) = self.sizes.values()
-        if name not in whole:
-            if values.ndim <= len(shape):
-                whole[name] = values
-                return
-            whole[name] = np.empty((count, *shape))
-        elif whole[name].ndim <= len(shape):
-            if values.ndim <= len(shape) and np.array_equal(values, whole[name], equal_nan=True):
-                return
-            filled = np.empty((count, *shape))
-            filled[done] = whole[name]
-            whole[name] = filled
+    def _fill(self, whole: dict[str, Array], name: str, values: Array, shape: tuple[int, ...], rows: Rows) -> None:
+        """Put an output of some rows among those of all; one that no row changes is kept once."""
+        known = whole.get(name)
+        if values.ndim <= len(shape) and (known is None or np.array_equal(values, known, equal_nan=True)):
+            whole[name] = values
+            return
+        if known is None or known.ndim <= len(shape):
+            whole[name] = np.empty((*self.sizes.values(), *shape))
+            if known is not None:
+                whole[name][...] = known
         whole[name][rows] = values
 
-    def _blocks(self, most: int, sort: bool) -> Iterator[tuple[Rows, Rows, Self]]:
-        """Rows before a block, those of the block, and the block; sorted rows of one material follow each other."""
+    def _blocks(self, most: int, sort: bool) -> Iterator[tuple[Rows, Self]]:
+        """Yield rows and cases of each block; sorted rows of one material follow each other."""
         ((dim, count),) = self.sizes.items()
         columns = {name: array.values for name, array in self.arrays.items()}
         keys = [columns[name] for name in (*OF_MATERIAL, "speed") if name in columns and columns[name].ndim]
@@ -196,10 +190,10 @@ class Cases(FactorValues):
             if order is not None and count > most:
                 alike = min(_alike(number[order[begin:end]]) for number in numbers)
                 end = begin + alike if alike > most // 8 else end  # enough for a block of one material
-            done, rows = (slice(begin), slice(begin, end)) if order is None else (order[:begin], order[begin:end])
+            rows = slice(begin, end) if order is None else order[begin:end]
             arrays = {name: _column(values, rows, dim) for name, values in columns.items()}
             case_index = None if first.size == 1 else which[rows]
-            yield done, rows, replace(self, arrays=arrays, distinct=shared, case_index=case_index)
+            yield rows, replace(self, arrays=arrays, distinct=shared, case_index=case_index)
             begin, end = end, end + most
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:

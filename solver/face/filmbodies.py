@@ -22,7 +22,6 @@ from solver.stack.layers import RIGID, Layer, Stack
 SUBLAYERS = 12
 #: Factors that make the stack of a case, but for the thickness of a film.
 OF_A_STACK = (BODY, *OF_MATERIAL, "cut", "cut_angle", *OF_A_FILM[1:], "electrode")
-_HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
 
 
 def stack_of(
@@ -121,14 +120,6 @@ def _over_the_top(stack: Stack) -> Stack:
         for layer, material in zip(stack.layers, materials, strict=False)
     ]
     return Stack(layers, RIGID if stack.rigid else materials[-1], stack.electroded)
-
-
-def half_planes(cases: Cases, half_length: Array) -> Bodies:
-    """Half-planes as films bonded to their own material, of a thickness which their contact is in proportion to.
-
-    All lie in the middle of one window of half-lengths, whatever their punch and load.
-    """
-    return replace(films_of(cases), thickness=half_length / _HALF_LENGTH)
 
 
 def refuse_charge(cases: Cases) -> None:

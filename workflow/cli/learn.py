@@ -116,8 +116,8 @@ def learn(options: argparse.Namespace) -> None:
     with located(options.measured, InputError):
         corrected, summary = correction.learn(study, model, rows, constants, say)
     save(corrected, path)
-    words = "\n".join(map(one_line, summary.lines))
-    print(json.dumps(summary.plain, indent=2, allow_nan=False) if options.json else words)
+    words = "\n".join(map(one_line, correction.in_words(summary)))
+    print(json.dumps(summary, indent=2, allow_nan=False) if options.json else words)
     say(f"wrote {path}: `meecontact query {path}` answers with it")
 
 

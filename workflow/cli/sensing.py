@@ -12,9 +12,6 @@ from pydantic import ValidationError
 from approximation.arrays import Array, Indices
 from solver import solve
 from solver.body import Kind, kind_of
-from solver.face.cases import Cases
-from solver.face.factors import checked
-from solver.face.materials import material_of
 from solver.heat.charge import HeatError
 from storage.files import output, writing
 from workflow.cli.casetable import one_case, read_cases
@@ -56,10 +53,9 @@ def signal(options: argparse.Namespace) -> None:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {_MOST_TIMES} times")
     most = float(history.forces.max())
     pressed = {**case, kind.loads.force: most / length}
-    material = material_of(Cases(checked(pressed), materials, ("BaTiO3", "CoFe2O4")))
+    body, material = film(pressed, materials, ("BaTiO3", "CoFe2O4"))
     if bare:
         _check_unit(options.history, most, solve(pressed, materials=materials))
-    body = film(case, material) if "collector" in case and "thickness" in case else None
     contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
         circuit = Circuit.of(numbers, material)

@@ -336,19 +336,12 @@ def _explained(
     if str(error).partition(":")[0] in _OF_OPTIONS:
         return InputError(f"{table.source}: {error}")
 
-    def refused(rows: Indices) -> Exception | None:
-        try:
-            solve(_factors(table, names, rows))
-        except _REFUSALS as error:
-            return error
-        return None
+    from workflow.dataset.factorial import refused_region  # which a table that is solved does without
 
-    while len(rows) > 1:
-        half = rows[: (len(rows) + 1) // 2]
-        rows = half if refused(half) else rows[len(half) :]
-    alone = refused(rows)
-    where = table.at(int(rows[0])) if alone else table.source  # else it takes several rows to go wrong
-    error = alone or error
+    cases = {str(name): cells for name, cells in _factors(table, names, rows).data_vars.items()}
+    region, error = refused_region(lambda part: solve(xr.Dataset(part)), cases, error, _REFUSALS)
+    # without a region it takes several rows to go wrong
+    where = table.source if region is None else table.at(int(rows[region["case"].start]))
     if isinstance(error, np.linalg.LinAlgError):
         return InputError(f"{where}: constants beyond what double precision can solve ({error})")
     return InputError(f"{where}: {error}")

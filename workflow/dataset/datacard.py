@@ -16,7 +16,6 @@ from workflow.dataset import similar
 from workflow.dataset.batches import PLACE
 from workflow.study import datum, grouped
 from workflow.study.model import Study
-from workflow.study.representatives import middles
 
 
 def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Path]) -> dict[str, Any]:
@@ -81,7 +80,7 @@ def _groups(study: Study) -> dict[str, Any]:
         for name, product in study.products.items()
     }
     leads = grouped.leads(study.products.values(), study.factors)
-    held = {name: value for name, value in middles(study).items() if name not in leads.values()}
+    held = {name: value for name, value in datum.inner(study).items() if name not in leads.values()}
     scales = {name: similar.scale(study, name) for name in study.quantities}
     return {"axes": axes, "varied": leads, "held": held, "scales": scales, "log_of_datum_added": sorted(study.added)}
 

@@ -137,44 +137,48 @@ def exact(
     try:
         solved = entrance(factors)
     except FactorError as error:
-        raise _named(study, *_refused(entrance, factors, error)) from None
+        cases = {name: labelled(name, value) for name, value in factors.items()}
+        region, reason = refused_region(entrance, cases, error)
+        raise _named(study, {} if region is None else selected(cases, region), reason) from None
     if over:
         along = {name: _axis(study, name, axes[name]) for name in over}
         solved = solved.assign_coords(along).transpose(*dict.fromkeys(axis.dims[0] for axis in along.values()), ...)
     return solved.drop_vars([name for name, quantity in ALL_QUANTITIES.items() if quantity.sparse and name in solved])
 
 
-def _refused(
-    solved: Callable[[Mapping[str, Any]], object], factors: Mapping[str, Any], reason: FactorError
-) -> tuple[dict[str, Any], FactorError]:
-    """Return factors and reason of one refused case, searched by halves; no factors where only several are refused."""
-    cases = {name: labelled(name, value) for name, value in factors.items()}
+def refused_region(
+    solved: Callable[[Mapping[str, Any]], object],
+    cases: Mapping[str, xr.DataArray],
+    reason: Exception,
+    refusals: tuple[type[Exception], ...] = (FactorError,),
+) -> tuple[dict[str, slice] | None, Exception]:
+    """Return region and reason of one refused case, searched by halves; None where only several are refused."""
     region = {dim: slice(0, size) for dim, size in sizes(cases).items()}
-    while True:
-        longest = max(region, key=lambda dim: _length(region[dim]), default="")
-        if not longest or _length(region[longest]) == 1:
-            return {name: array.item() for name, array in selected(cases, region).items()}, reason
+    while longest := max(region, key=lambda dim: _length(region[dim]), default=""):
         whole = region[longest]
+        if _length(whole) == 1:
+            break
         middle = (whole.start + whole.stop) // 2
         for half in (slice(whole.start, middle), slice(middle, whole.stop)):
             try:
                 solved(selected(cases, {**region, longest: half}))
-            except FactorError as error:
+            except refusals as error:
                 region, reason = {**region, longest: half}, error
                 break
         else:
-            return {}, reason
+            return None, reason
+    return region, reason
 
 
 def _length(part: slice) -> int:
     return int(part.stop - part.start)
 
 
-def _named(study: Study, case: Mapping[str, Any], reason: FactorError) -> FactorError:
+def _named(study: Study, case: Mapping[str, xr.DataArray], reason: Exception) -> Exception:
     """The refusal of one case, with the factors and categories that tell it from others."""
     words = [
-        f"{name} = {case[name]:.6g} {FACTORS[name].units}".removesuffix(" 1") if name in study.factors
-        else f"{name} = {case[name]}"
+        f"{name} = {case[name].item():.6g} {FACTORS[name].units}".removesuffix(" 1") if name in study.factors
+        else f"{name} = {case[name].item()}"
         for name in (*study.factors, *study.categories)
         if name in case
     ]  # fmt: skip

@@ -14,10 +14,9 @@ from surrogate import Group, Grouping, Input, Scaling
 from surrogate.levels.counts import decays
 from surrogate.transforms.groups import Scales
 from workflow.study.categories import Combination, output
-from workflow.study.datum import length
+from workflow.study.datum import inner, length
 from workflow.study.model import Study
 from workflow.study.reading import InputError
-from workflow.study.representatives import middles
 
 _GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
 _LEAST = 1e-8  # what a process leaves of values, over their range, however fast their coefficients fall
@@ -43,7 +42,7 @@ def grouping(
     )
     added = {name: -power for name, power in scale(study, study.kind.ends[0]).items()}
     used = any(scaling.coefficient for scaling in scalings.values())
-    return Grouping(tuple(inputs), groups, scalings, added if used else {}, middles(study))
+    return Grouping(tuple(inputs), groups, scalings, added if used else {}, inner(study))
 
 
 def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
@@ -137,6 +136,6 @@ def _coefficient(study: Study, name: str, combination: Combination) -> float:
     datum = length(study)
     if datum is None:
         return 0.0
-    case = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **middles(study), **combination}
+    case = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **inner(study), **combination}
     values = study.solved(solve, {**case, "datum": datum * np.array([1.0, np.e])})[name].values
     return float(values[1] - values[0])

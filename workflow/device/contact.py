@@ -16,6 +16,9 @@ from approximation.arrays import Array
 from approximation.chebyshev import coefficients, gauss_points
 from solver import FactorError, Layer, Material, Stack, solve
 from solver.body import Kind, around, kind_of
+from solver.face.cases import Cases
+from solver.face.factors import checked
+from solver.face.materials import material_of
 from solver.names import AIR, BODY
 from solver.stack.electrodes import Electrode
 
@@ -123,14 +126,19 @@ class ContactCurves:
         return float(np.max(size[:, -2:].max(axis=1) / size.max(axis=1)))
 
 
-def film(case: Mapping[str, Any], material: Material) -> Stack:
-    """Return the layer between the electrodes of a case on a single film."""
+def film(
+    case: Mapping[str, Any], materials: Mapping[str, Material], phases: tuple[str, str]
+) -> tuple[Stack | None, Material]:
+    """Return the layer between the electrodes of a case on a single film, if it is on one, and the body's material."""
+    material = material_of(Cases(checked(dict(case)), materials, phases))
+    if "thickness" not in case:
+        return None, material
     if "collector" in case and "base_volume_fraction" in case:
         raise FactorError(
             f"base_volume_fraction: {float(case['base_volume_fraction']):g} of a film whose electrode a device reads; "
             "its capacitance is not given there: take a material or a volume_fraction alone"
         )
-    return Stack([Layer(material, float(case["thickness"]))], electroded=case.get("electrode") == "top")
+    return Stack([Layer(material, float(case["thickness"]))], electroded=case.get("electrode") == "top"), material
 
 
 def _readable(case: Mapping[str, Any], body: Stack | None) -> Kind:

@@ -8,9 +8,6 @@ import numpy as np
 import xarray as xr
 
 from solver import Material, Stack, solve
-from solver.face.cases import Cases
-from solver.face.factors import checked
-from solver.face.materials import material_of
 from solver.heat.charge import HeatError
 from solver.names import BODY, FACTORS, OF_HEAT
 from solver.stack.electrodes import Electrode
@@ -106,9 +103,8 @@ def _pressed(
     if study.body:
         body = layered.stack(study.body, factors, study.own_materials, study.phases)
         return factors, body, _beside(body, factors)
-    pressed = checked({**factors, force: pressing.force / length(study)})
-    material = material_of(Cases(pressed, study.own_materials, (study.phases[0], study.phases[1])))
-    return factors, film(factors, material) if "thickness" in factors else None, material
+    pressed = {**factors, force: pressing.force / length(study)}
+    return factors, *film(pressed, study.own_materials, (study.phases[0], study.phases[1]))
 
 
 def _beside(body: Stack, case: Mapping[str, Any]) -> Material:

@@ -44,19 +44,6 @@ class History:
     forces: Array  # not negative [N]; (time,)
     temperatures: Array | None = None  # of what touches [K]; (time,)
 
-    def __post_init__(self) -> None:
-        if np.ma.is_masked(self.times) or np.ma.is_masked(self.forces):
-            raise ValueError("a history must not have masked times or forces; leave these rows out")
-        if np.shape(self.times) != np.shape(self.forces) or np.ndim(self.times) != 1 or len(self.times) < 2:
-            raise ValueError("a history needs as many forces as times, two or more")
-        if not (np.isfinite(self.times).all() and np.isfinite(self.forces).all()):
-            raise ValueError("times and forces must be finite numbers")
-        if not (np.diff(self.times) > 0).all() or (self.forces < 0).any():
-            raise ValueError("times must ascend, and forces must be >= 0")
-        warm = self.temperatures
-        if warm is not None and (np.shape(warm) != np.shape(self.times) or not (np.isfinite(warm) & (warm > 0)).all()):
-            raise ValueError("temperatures must be as many finite numbers > 0 K as there are times")
-
     def divided(self, parts: int) -> "History":
         """Return the history with each interval in equal parts."""
         fractional_rows = np.linspace(0, len(self.times) - 1, (len(self.times) - 1) * parts + 1)

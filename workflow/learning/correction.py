@@ -1,8 +1,7 @@
 """Measured rows correct a study's surrogate, through the effects of uncertain constants and discrepancies."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Self
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -36,83 +35,75 @@ _COUNTED = (("rows", "row"), ("values", "measured value"))
 _RARE = 0.01  # chance of so few rows within their intervals from which on they disagree
 
 
-@dataclass(frozen=True)
-class Summary:
-    """Results of learning from measured rows."""
+def summarised(
+    posterior: Learnt,
+    rows: Measurements,
+    unknown: list[Constant],
+    single: Flags,
+    model: GaussianProcess,
+    nominal: Array,
+) -> dict[str, Any]:
+    """Return the results as plain data: marks of single constants, (k,), means at the measured values, (n,)."""
+    constants, count = _constants(posterior, unknown), len(np.unique(rows.row))
+    content = {
+        "rows": count,
+        "values": len(rows.value),
+        "constants": [constant for constant, alone in zip(constants, single, strict=True) if not alone],
+        "single_constants": [constant for constant, alone in zip(constants, single, strict=True) if alone],
+        "known_together": _combinations(posterior, unknown),
+        "discrepancies": [_discrepancy(posterior, rows, model, nominal, q) for q in rows.outputs],
+        "errors": [_errors(posterior, model, q) for q in rows.outputs if np.isfinite(rows.error[rows.of(q)]).any()],
+        "outliers": _outliers(posterior, rows, model),
+        "left_out": _left_out(posterior, rows, nominal),
+    }
+    if count < FEW:
+        content |= {"discrepancies": [], "errors": [], "outliers": []}
+    elif single.any():
+        what = "single constants are off beside their families"
+        said = f"{what} ({_odds_said(posterior.own_odds)})"
+        verdict = _verdict(posterior.own_odds, said, f"not seen: {said}", f"neither shown nor excluded: {said}")
+        content["single_constants_off"] = {"what": what, **verdict}
+    return content | {"not_told_apart": _open(content)}
 
-    plain: dict[str, Any]  # Of numbers, texts, lists: as JSON
 
-    @classmethod
-    def of(
-        cls,
-        posterior: Learnt,
-        rows: Measurements,
-        unknown: list[Constant],
-        single: Flags,
-        model: GaussianProcess,
-        nominal: Array,
-    ) -> Self:
-        """Results as plain data, with marks of single constants, (k,), and means at the measured values, (n,)."""
-        constants, count = _constants(posterior, unknown), len(np.unique(rows.row))
-        content = {
-            "rows": count,
-            "values": len(rows.value),
-            "constants": [constant for constant, alone in zip(constants, single, strict=True) if not alone],
-            "single_constants": [constant for constant, alone in zip(constants, single, strict=True) if alone],
-            "known_together": _combinations(posterior, unknown),
-            "discrepancies": [_discrepancy(posterior, rows, model, nominal, q) for q in rows.outputs],
-            "errors": [_errors(posterior, model, q) for q in rows.outputs if np.isfinite(rows.error[rows.of(q)]).any()],
-            "outliers": _outliers(posterior, rows, model),
-            "left_out": _left_out(posterior, rows, nominal),
-        }
-        if count < FEW:
-            content |= {"discrepancies": [], "errors": [], "outliers": []}
-        elif single.any():
-            what = "single constants are off beside their families"
-            said = f"{what} ({_odds_said(posterior.own_odds)})"
-            verdict = _verdict(posterior.own_odds, said, f"not seen: {said}", f"neither shown nor excluded: {said}")
-            content["single_constants_off"] = {"what": what, **verdict}
-        return cls(content | {"not_told_apart": _open(content)})
-
-    @property
-    def lines(self) -> list[str]:
-        """Return the results in words, a line each."""
-        content, left = self.plain, self.plain["left_out"]
-        constants = [*content["constants"], *content["single_constants"]]
-        moved = [c for c in constants if c["posterior_over_prior"] <= UNTOLD]
-        untold = [c["name"] for c in content["constants"] if c["posterior_over_prior"] > UNTOLD]
-        rows, values = (f"{content[key]} {word}{'s' * (content[key] > 1)}" for key, word in _COUNTED)
-        lines = [f"{rows}, {values}"]
-        for c in sorted(moved, key=lambda c: c["posterior_over_prior"]):
-            lines.append(
-                f"{c['name']}: moved by {c['mean']:+.2f} +- {c['std']:.2f} prior standard deviations ({c['change']}, "
-                f"prior {c['prior']})"
-            )
-        lines += [] if moved else ["no constant was learnt"]
-        if untold:
-            lines.append(f"not identifiable, as before the measurement: {', '.join(untold)}")
-        for c in content["known_together"]:
-            lines.append(f"known only together, to {c['posterior_over_prior']:.2f} of the prior: {c['combination']}")
-        lines += [content["single_constants_off"]["verdict"]] if "single_constants_off" in content else []
-        lines += [f"{d['output']}: {d['verdict']}" for d in content["discrepancies"]]
-        lines += [f"{e['output']}: {e['verdict']}" for e in content["errors"] if e["verdict"]]
-        lines += [o["verdict"] for o in content["outliers"]]
-        if content["not_told_apart"]:
-            lines.append(f"these rows neither show nor exclude: {'; '.join(content['not_told_apart'])}")
-        if content["rows"] < FEW:
-            lines.append(
-                f"fewer than {FEW} rows: constants, a discrepancy, errors and outliers are not told apart; what is "
-                "said of constants rests on the priors of all four"
-            )
-        if content["rows"] == 1:
-            return lines
+def in_words(content: Mapping[str, Any]) -> list[str]:
+    """Return the results in words, a line each."""
+    left = content["left_out"]
+    constants = [*content["constants"], *content["single_constants"]]
+    moved = [c for c in constants if c["posterior_over_prior"] <= UNTOLD]
+    untold = [c["name"] for c in content["constants"] if c["posterior_over_prior"] > UNTOLD]
+    rows, values = (f"{content[key]} {word}{'s' * (content[key] > 1)}" for key, word in _COUNTED)
+    lines = [f"{rows}, {values}"]
+    for c in sorted(moved, key=lambda c: c["posterior_over_prior"]):
         lines.append(
-            f"each row predicted from the others: {100 * left['share_within_95']:.1f} % of the values within 95 % "
-            f"intervals, errors {left['rms_after']:.2g} of what they were before"
+            f"{c['name']}: moved by {c['mean']:+.2f} +- {c['std']:.2f} prior standard deviations ({c['change']}, "
+            f"prior {c['prior']})"
         )
-        if left["disagree"]:
-            lines.append("rows left out disagree with what the others say: what is told above does not hold as it is")
+    lines += [] if moved else ["no constant was learnt"]
+    if untold:
+        lines.append(f"not identifiable, as before the measurement: {', '.join(untold)}")
+    for c in content["known_together"]:
+        lines.append(f"known only together, to {c['posterior_over_prior']:.2f} of the prior: {c['combination']}")
+    lines += [content["single_constants_off"]["verdict"]] if "single_constants_off" in content else []
+    lines += [f"{d['output']}: {d['verdict']}" for d in content["discrepancies"]]
+    lines += [f"{e['output']}: {e['verdict']}" for e in content["errors"] if e["verdict"]]
+    lines += [o["verdict"] for o in content["outliers"]]
+    if content["not_told_apart"]:
+        lines.append(f"these rows neither show nor exclude: {'; '.join(content['not_told_apart'])}")
+    if content["rows"] < FEW:
+        lines.append(
+            f"fewer than {FEW} rows: constants, a discrepancy, errors and outliers are not told apart; what is "
+            "said of constants rests on the priors of all four"
+        )
+    if content["rows"] == 1:
         return lines
+    lines.append(
+        f"each row predicted from the others: {100 * left['share_within_95']:.1f} % of the values within 95 % "
+        f"intervals, errors {left['rms_after']:.2g} of what they were before"
+    )
+    if left["disagree"]:
+        lines.append("rows left out disagree with what the others say: what is told above does not hold as it is")
+    return lines
 
 
 def _odds_said(odds: float) -> str:
@@ -251,7 +242,7 @@ def learn(
     rows: Measurements,
     constants: list[Constant],
     say: Callable[[str], None] = lambda message: None,
-) -> tuple[CorrectedGP, Summary]:
+) -> tuple[CorrectedGP, dict[str, Any]]:
     """Correct a study's surrogate by measured rows."""
     count = len(np.unique(rows.row))
     if not 1 <= count <= MOST_ROWS:
@@ -280,10 +271,10 @@ def learn(
         posterior = learning.learn(forward, rows, model.inputs_, len(unknown), spread, single)
     except (learning.NotSettledError, MaterialError) as error:
         raise InputError(str(error)) from None
-    summary = Summary.of(posterior, rows, unknown, single, model, mean)
+    summary = summarised(posterior, rows, unknown, single, model, mean)
     names = {constant.name: constant.prior for constant in unknown}
     surrogate = CorrectedGP(
-        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(summary.lines)
+        model, latest[0], names, posterior.about, posterior.draws, rows, effects.error, "\n".join(in_words(summary))
     )
     return surrogate, summary
 

@@ -10,7 +10,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from solver.names import ALL_QUANTITIES, CHOICES
+from solver.names import ALL_QUANTITIES
 from storage.netcdf import read_whole
 from surrogate import load
 from workflow.dataset import draws
@@ -94,7 +94,7 @@ def page(
         "tabled": study.tabled,
         "film_beside": study.effects.film if study.effects else {},
         "costly": study.costly.issuperset(study.quantities),
-        "composites": _composites(study),
+        "composites": coupling.composites(study),
         "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
         "varied": bool(study.factors or study.effects),
         "effects": list(study.effects.vary) if study.effects else [],
@@ -229,17 +229,6 @@ def _layers(study: Study) -> list[str]:
     """Names of a body's layers for which a drawing has room."""
     names = [str(layer.material or layer.composite) for layer in study.body]
     return [names[0], f"{len(names) - 2} layers", names[-1]] if len(names) > _MOST_DRAWN else names
-
-
-def _composites(study: Study) -> list[str]:
-    """Arrangement of the phases in the study's cases, with the default."""
-    usual = CHOICES["composite"][0]
-    if study.body:
-        return list(dict.fromkeys(layer.composite for layer in study.body if layer.composite))
-    if study.factors or study.effects is None:
-        return study.categories.get("composite") or [str(study.fixed.get("composite", usual))]
-    return list(dict.fromkeys(map(str, [study.effects.baseline.get("composite", usual),
-                                        *study.effects.vary.get("composite", [])])))  # fmt: skip
 
 
 def _figure(path: Path) -> dict[str, Any]:

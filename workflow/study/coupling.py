@@ -85,14 +85,20 @@ def materials(study: Contents) -> list[Material]:
     """Every material that some case of a study is made of, each once; of alloys the one without the added element."""
     values = _given(study)
     names = [*values.get("material", []), *(layer.material for layer in study.body)]
-    composites = [*values.get("composite", []), *(layer.composite for layer in study.body)]
-    baseline = study.effects.baseline if study.effects else {}
-    if not composites and not study.body and "material" not in {**study.fixed, **study.categories, **baseline}:
-        composites = [CHOICES["composite"][0]]
-    phases = study.phases if any(composite in MIXTURES for composite in composites) else []
+    kinds = composites(study)
+    phases = study.phases if any(kind in MIXTURES for kind in kinds) else []
     known = dict.fromkeys([*names, *values.get("base", []), *phases])
-    alloys = [compose(str(name), (), 0.0) for name in dict.fromkeys(composites) if name and name not in MIXTURES]
+    alloys = [compose(kind, (), 0.0) for kind in kinds if kind not in MIXTURES]
     return [*(find(str(name), study.own_materials) for name in known if name and name != RIGID), *alloys]
+
+
+def composites(study: Contents) -> list[str]:
+    """Arrangements of the phases, and alloys, that some case of a study is made of, with the default."""
+    names = [*_given(study).get("composite", []), *(layer.composite for layer in study.body if layer.composite)]
+    baseline = study.effects.baseline if study.effects else {}
+    if not names and not study.body and "material" not in {**study.fixed, **study.categories, **baseline}:
+        names = [CHOICES["composite"][0]]
+    return list(dict.fromkeys(map(str, names)))
 
 
 def _given(study: Contents) -> dict[str, list[float | str]]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from solver import solve
 from solver.names import ALL_QUANTITIES, FACTORS
+from surrogate import Input
 from workflow.study.contents import Contents
 
 #: Names of the quantities that change with the datum of a half-plane.
@@ -22,15 +23,9 @@ def length(study: Contents) -> float | None:
 
 
 def inner(study: Contents, share: float = 0.5) -> dict[str, float]:
-    """A point of the box."""
-    return {
-        name: float(
-            axis.low ** (1 - share) * axis.high**share
-            if axis.scale == "log"
-            else (1 - share) * axis.low + share * axis.high
-        )
-        for name, axis in study.factors.items()
-    }
+    """A point of the box, at a share of every range on its scale."""
+    axes = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
+    return {axis.name: float(axis.from_unit(2 * share - 1)) for axis in axes}
 
 
 def hanging(study: Contents) -> frozenset[str]:

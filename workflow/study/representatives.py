@@ -8,21 +8,15 @@ import numpy as np
 import xarray as xr
 
 from approximation.arrays import Array
-from surrogate import Input
-from surrogate.transforms.groups import middle
 from workflow.study import grouped
 from workflow.study.contents import Contents
-
-
-def middles(study: Contents) -> dict[str, float]:
-    """The middle of every factor's range on its own scale."""
-    return {name: middle(Input(name, axis.low, axis.high, axis.scale)) for name, axis in study.factors.items()}
+from workflow.study.datum import inner
 
 
 def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[str, xr.DataArray | float]:
     """Factors of cases over a study's group axes: an axis varies its first factor, others stay in the middle."""
     leads = grouped.leads(study.products.values(), study.factors)
-    values: dict[str, Any] = {name: value for name, value in middles(study).items() if name not in leads.values()}
+    values: dict[str, Any] = {name: value for name, value in inner(study).items() if name not in leads.values()}
     values |= {name: value for name, value in study.numbers.items() if name not in study.factors}
     waiting = list(study.products)
     while waiting:

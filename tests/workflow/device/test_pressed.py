@@ -38,6 +38,7 @@ design: {touch: {maximise: abs(patch_charge_per_force), over: [thickness], at: {
 signal: {design: touch, force: 50 mN, hold: 1 s}
 """
 PVDF = solver.find("PVDF")
+PHASES = ("BaTiO3", "CoFe2O4")
 DISC = np.pi * 1e-6  # of 2 mm
 
 
@@ -80,7 +81,7 @@ def test_a_voltage_amplifier_on_a_patch_divides_by_its_plates() -> None:
     case = {"material": "PZT-4", "profile": "sphere", "radius": 0.01, "thickness": 1e-4, "base": "rigid"}
     case |= {"electrode": "top", "collector": 2, "patch_size": 1e-3, "magnetic": "insulating"}
     case["surroundings"] = "insulated"
-    contact = ContactCurves.from_case(case, 1.0, body=film(case, solver.find("PZT-4")))
+    contact = ContactCurves.from_case(case, 1.0, body=film(case | {"force": 1.0}, {}, PHASES)[0])
     forces = np.array([0.0, 1e-6, 1.0])
     charge, capacitance = contact.charge(forces), contact.capacitance(forces)
     material = solver.find("PZT-4")
@@ -98,8 +99,10 @@ def test_plates_have_a_film_on_each_side_and_a_metal_between() -> None:
     covered = Stack([Layer(PVDF, 1e-5), Layer(glass, 2e-5)], electroded=True)
     in_turn = 1 / (1e-5 / permittivity(PVDF) + 2e-5 / permittivity(glass))
     assert Electrode(covered, 1).capacitance == pytest.approx(in_turn, rel=1e-12)
+    graded = {"volume_fraction": 0.5, "base_volume_fraction": 0.8, "thickness": 1e-4, "base": "rigid", "collector": 1}
+    graded |= {"profile": "sphere", "radius": 0.01, "force": 1.0}
     with pytest.raises(solver.FactorError, match=r"^base_volume_fraction: 0\.8 of a film whose electrode"):
-        film({"collector": 1, "thickness": 1e-4, "base_volume_fraction": 0.8}, PVDF)
+        film(graded, {}, PHASES)
 
 
 @pytest.mark.parametrize(

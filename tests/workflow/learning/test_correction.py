@@ -77,7 +77,7 @@ def test_intervals_hold_exact_answers_with_other_constants(half_plane: tuple[Stu
         np.abs(surrogate.predict_array(X[40:]) - exact[40:]).mean(axis=0) for surrogate in (corrected, model)
     )
     assert (after / before)[:2].max() < 0.3
-    moved = [(c["mean"] - true) / c["std"] for c, true in zip(summary.plain["constants"], z, strict=True)]
+    moved = [(c["mean"] - true) / c["std"] for c, true in zip(summary["constants"], z, strict=True)]
     assert np.mean(np.abs(moved) < 1.96) > 0.85  # of 8 constants
 
 
@@ -90,11 +90,13 @@ def test_outliers_are_told_and_hide_no_constant(half_plane: tuple[Study, GridGP]
     off = good.value.copy()
     off[wide] += [12 * good.error[wide[0]], -9 * good.error[wide[1]]]
     _, outliers = correction.learn(study, model, Measurements(X, good.row, good.output, off, good.error), known)
-    assert {(entry["row"], entry["output"]) for entry in outliers.plain["outliers"]} == {
+    assert {(entry["row"], entry["output"]) for entry in outliers["outliers"]} == {
         (int(good.row[k]) + 1, model.outputs_[good.output[k]]) for k in wide
     }
-    assert any(line.startswith(f"row {good.row[wide[1]] + 1}, voltage: an outlier (") for line in outliers.lines)
-    assert abs(outliers.plain["constants"][0]["mean"] - 1.0) < 2.5 * outliers.plain["constants"][0]["std"]
+    assert any(
+        line.startswith(f"row {good.row[wide[1]] + 1}, voltage: an outlier (") for line in correction.in_words(outliers)
+    )
+    assert abs(outliers["constants"][0]["mean"] - 1.0) < 2.5 * outliers["constants"][0]["std"]
 
 
 PAGE = Path(__file__).parents[3] / "docs/learning.md"
