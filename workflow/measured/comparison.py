@@ -157,14 +157,14 @@ def valued(row: Measurement, entry: ModelValue, spread: Spread) -> Row:
     """
     scale = UNITS[row.unit]
     value, deviation = spread.value / scale, spread.deviation / scale
-    known = row.value is not None and row.error is not None
+    off = None if row.value is None or row.error is None else (value - row.value) / hypot(row.error, deviation)
     return {
         "quantity": quantity_name(entry),
         "material": _material_name(entry),
         "value": value,
         "deviation": deviation,
         "sets": spread.sets,
-        "off": (value - row.value) / hypot(row.error, deviation) if known else None,
+        "off": off,
     }
 
 
