@@ -4,7 +4,6 @@ import codecs
 import io
 import math
 import os
-import re
 import sys
 import unicodedata
 from argparse import ArgumentTypeError
@@ -17,7 +16,6 @@ from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, located, number, one_line
 
 _SURROGATE = "surrogate.nc"
-_OUTER_COMMA = re.compile(r",(?![^(\[]*[)\]])")  # outside brackets, which hold no others
 #: What files beside a surrogate are.
 _NO_MODELS = {
     ".csv": "a table",
@@ -112,7 +110,7 @@ def named(option: str, words: str | Sequence[str] | None, *, valued: bool = Fals
     """``NAME=VALUE`` or ``NAME`` of every part between commas outside brackets: the values' texts by name."""
     texts: dict[str, str] = {}
     for word in [words] if isinstance(words, str) else words or []:
-        for part in _OUTER_COMMA.split(word):
+        for part in _parts(word):
             name, _, text = part.partition("=")
             name = " ".join(name.split())
             if valued and not text.strip():
@@ -125,6 +123,18 @@ def named(option: str, words: str | Sequence[str] | None, *, valued: bool = Fals
                 raise InputError(f"{option}: {name}: given twice")
             texts[name] = text.strip()
     return texts
+
+
+def _parts(word: str) -> list[str]:
+    """Parts between commas outside brackets."""
+    parts, depth = [""], 0
+    for character in word:
+        depth += (character in "([") - (character in ")]")
+        if character == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts
 
 
 def surrogate_file(text: str) -> Path:
