@@ -4,8 +4,8 @@ import logging
 import shutil
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from typing import TextIO
+from contextlib import contextmanager, redirect_stderr
+from typing import Any, TextIO, cast
 
 from workflow.language.numbers import counted
 from workflow.study import partition
@@ -102,6 +102,25 @@ class Progress(logging.Filter):
         print(end=_CLEAR + line[: shutil.get_terminal_size().columns - 1], file=self._stream, flush=True)
 
 
+class _Unprofiled:
+    """Errors as they are, without the line in which Snakemake says whose options it has read: no reader needs it."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream, self._left_out = stream, False
+
+    def write(self, text: str) -> int:
+        if text.startswith("Using workflow specific profile"):
+            self._left_out = True
+        elif self._left_out and text == "\n":  # `print` writes the end of its line for itself
+            self._left_out = False
+        else:
+            self._stream.write(text)
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+
 @contextmanager
 def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
     """Tell what Snakemake's run in this process does, by what the steps of a study do."""
@@ -116,7 +135,8 @@ def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
 
     logger.addFilter(installed)
     try:
-        yield
+        with redirect_stderr(cast(TextIO, _Unprofiled(sys.stderr))):
+            yield
     finally:
         logger.removeFilter(installed)
         shown.clear()
