@@ -209,7 +209,8 @@ def test_figures_of_a_device_are_read_as_their_formulas() -> None:
     ("text", "deviations"), [("worst case", None), ("mean", 0.0), ("mean - 0 std", 0.0), ("mean - 2.5 std", 2.5)]
 )
 def test_statistics_of_the_objective(text: str, deviations: float | None) -> None:
-    assert statistics.statistic(text) == statistics.Statistic(deviations)
+    expected = statistics.Worst() if deviations is None else statistics.Mean(deviations)
+    assert statistics.statistic(text) == expected
 
 
 @pytest.mark.parametrize(

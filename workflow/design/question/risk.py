@@ -116,7 +116,9 @@ class RelativeDeviation(RiskMeasure):
 
 def measure(statistic: statistics.Statistic, sign: float) -> RiskMeasure:
     """Return the risk measure of an objective's statistic."""
-    return WorstCase() if statistic.deviations is None else MeanDeviation(-sign * statistic.deviations)
+    if isinstance(statistic, statistics.Worst):
+        return WorstCase()
+    return MeanDeviation(-sign * statistic.deviations)
 
 
 @cache
