@@ -154,7 +154,7 @@ _RULES: dict[str, tuple[str, float, float]] = {  # allowed values, and their ope
     "depth": ("> 0 [m]", 0.0, np.inf),
     "voltage": ("[V]", -np.inf, np.inf),
     "charge": ("[C]", -np.inf, np.inf),
-    "friction": ("from 0 to 2", -1e-300, 2.0),
+    "friction": ("from 0 to 2", -1e-300, np.nextafter(2.0, 3.0)),
     "direction": ("[rad]", -np.inf, np.inf),
     "air": ("> 0: the relative permittivity", 0.0, np.inf),
     "error": ("from 1e-6 to 0.1", 0.99e-6, 0.101),

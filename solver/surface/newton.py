@@ -20,7 +20,7 @@ from solver.surface.shape import Shape
 
 _STEPS = 40  # of Newton's iteration; smooth contacts take 4 to 8
 _KRYLOV = 40  # vectors between restarts of GMRES
-_RESTARTS = 5
+_RESTARTS = 4  # for tangents; from a poor state a step of Newton's iteration is not worth them
 _ENTRIES = 3  # after which a cell stays in contact: its charge pulls, so that neither side is free of error
 _LEVELS = 16  # coarser levels of the air around the grid
 _GROWTH = 2  # ratio of a level's length to that of the level below
@@ -33,7 +33,7 @@ _FREE, _NEARLY = 14, 0.05  # steps after which, and residual below which, cells 
 _CUT = 0.52  # of the elastance of a cell, times 1/w - 1 for a share w: a disc of 12 cells is then exact to 1e-3
 _LEAST_GAP = 1e-15  # m, of undeformed punches: rough ones reach below their mean; its capacitance shorts a cell
 _ROUNDING = 0.05  # resistance of the gap over the elastance of a cell, below which the gap counts as closing
-_STALLED = 2e-3  # residual that is accepted where the iteration ends
+_STALLED = 2e-3  # smallest residual of all steps that is accepted where the iteration does not settle
 NO_COUPLING = 1e-9  # electric load over the mechanical one, in scaled units, below which it is rounding
 _HARDLY_COUPLED = 1e-4  # charge over pressure, in scaled units, below which residuals count as those of this ratio
 _FORCING = 0.02  # share of a residual that the linear solution of one step leaves
@@ -526,7 +526,7 @@ class Linearised:
         """Changes of pressure, charge, depth and potential that remove the residual."""
         first, second = self.residual
         right = np.concatenate([-first, -second, self.missing])
-        x = self._solved(right, self.free, tolerance)
+        x = self._solved(right, self.free, tolerance, 0)
         P, D = x[:-2].reshape(2, -1)
         return P, D, float(x[-2]), float(x[-1])
 
@@ -534,10 +534,10 @@ class Linearised:
         """Changes of pressure and charge by the depth (0) or the scaled voltage (1), the other held."""
         first, second = self.borders[border]
         right = np.concatenate([-first, -second, np.zeros(2)])
-        P, D = self._solved(right, (False, False), tolerance)[:-2].reshape(2, -1)
+        P, D = self._solved(right, (False, False), tolerance, _RESTARTS)[:-2].reshape(2, -1)
         return P, D
 
-    def _solved(self, right: Array, free: tuple[bool, bool], tolerance: float) -> Array:
+    def _solved(self, right: Array, free: tuple[bool, bool], tolerance: float, restarts: int) -> Array:
         """Solution of the system bordered by depth and voltage, by GMRES."""
         system, size = self.system, self.gap.size
         borders = np.stack([np.concatenate(border) for border in self.borders], -1)
@@ -567,15 +567,19 @@ class Linearised:
             t = np.linalg.solve(schur, v[-2:] - sums(x))
             return np.concatenate([x - moved @ t, t])
 
-        return gmres(product, precondition, right, tolerance)
+        return gmres(product, precondition, right, tolerance, restarts)
 
 
 def gmres(
-    product: Callable[[Array], Array], precondition: Callable[[Array], Array], right: Array, tolerance: float
+    product: Callable[[Array], Array],
+    precondition: Callable[[Array], Array],
+    right: Array,
+    tolerance: float,
+    restarts: int,
 ) -> Array:
     """Solution x of ``product(x) = right`` to a relative residual, preconditioned from the right, with restarts."""
     x, residual, target = np.zeros_like(right), right, tolerance * float(np.linalg.norm(right))
-    for _ in range(_RESTARTS):
+    for _ in range(restarts + 1):
         norm = float(np.linalg.norm(residual))
         if norm <= target:
             break
@@ -617,6 +621,7 @@ def converged(system: System, state: State, tolerance: float) -> tuple[State, Li
     if system.loading.charge is None:
         state = replace(state, potential=system.loading.voltage * system.per_volt)
     entries = np.zeros(cells, dtype=np.int8)
+    least, best = _STALLED, None  # where a few cells at the edge open and close for ever
     for step in range(_STEPS):
         linear = Linearised(system, state)
         pressed = np.where(state.pressed, (state.pressure > 0) | (entries >= _ENTRIES), linear.gap < 0)
@@ -629,16 +634,18 @@ def converged(system: System, state: State, tolerance: float) -> tuple[State, Li
         error = linear.error
         if settled and error <= tolerance:
             return state, linear
+        if settled and error < least:
+            least, best = error, (state, linear)
         if not settled:
             entries += pressed & ~state.pressed
             # without a charge of its own, which may open a gap twice: with and without charge
             charge = np.where(state.pressed & ~pressed, 0.0, state.charge)
             state = replace(state, pressure=np.where(pressed, state.pressure, 0.0), charge=charge, pressed=pressed)
             linear = Linearised(system, state)
-        if step == _STEPS - 1 and settled and linear.error < _STALLED:
-            return state, linear
         P, D, depth, potential = linear.step(max(_FORCING, 0.3 * tolerance / max(error, tolerance)))
         state = State(
             state.pressure + P, state.charge + D, state.pressed, state.depth + depth, state.potential + potential
         )
-    raise SurfaceError("contact: no state is found for this load and these charges on this grid")
+    if best is None:
+        raise SurfaceError("contact: no state is found for this load and these charges on this grid")
+    return best

@@ -162,8 +162,10 @@ class RoughSphere(Shape):
             waves_y = np.exp(1j * np.outer(across, y[near_y]))
             heights[np.ix_(near_x, near_y)] += waves_x.real @ waves_y.real - waves_x.imag @ waves_y.imag
             return heights
-        waves = amplitude * np.exp(1j * (along * x[..., None] + across * y[..., None]))
-        return np.asarray(heights + np.sum(waves, axis=-1).real)
+        near = np.hypot(x, y) < reach
+        x, y = (np.broadcast_to(v, near.shape)[near, None] for v in (x, y))
+        heights[near] += np.sum(amplitude * np.exp(1j * (along * x + across * y)), axis=-1).real
+        return heights
 
 
 @dataclass(frozen=True, eq=False)

@@ -197,6 +197,15 @@ def test_the_stated_error_bounds_the_distance_to_balls(body: Case, radius: float
         assert float(space[name]) == pytest.approx(float(ball[name]), rel=1.3 * error), name
 
 
+def test_cells_at_a_sliding_edge_that_open_and_close_for_ever_end_the_search() -> None:
+    """Soft PZT that slides at 1: the loads about the force, which the open stiffness needs, never settle."""
+    film = {"material": "PZT-5H", "thickness": 1e-4, "base": "steel", "friction": 1.0}
+    egg = film | {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 1e-2, "grid_error": 1e-2}
+    stiffness = float(solver.solve(egg | {"force": 1.0}, outputs=["contact_stiffness_open"])["contact_stiffness_open"])
+    low, high = (float(solver.solve(egg | {"force": force}, outputs=["depth"])["depth"]) for force in (0.9, 1.1))
+    assert stiffness == pytest.approx(0.2 / (high - low), rel=0.02)  # measured: 5e-3
+
+
 def test_an_error_that_the_finest_grid_does_not_reach_is_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(contact, "_REFINED", 32)
     monkeypatch.setattr(contact, "_SLOPED", 32)
