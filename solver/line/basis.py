@@ -1,11 +1,4 @@
-"""Basis of the tractions on the contact and the rules that project onto it (films, section 4).
-
-    sigma_yy = w sum_j s_j P_j^(A,B)(X),   (D_y, B_y) = D1 sigma_yy + sum_n c_n T_n(X) / sqrt(1 - X^2),
-
-w = (1 - X)^A (1 + X)^B, k0 = A + B. With tan(theta) = eta kap / lam and A = 1/2 + delta at a smooth trailing edge,
-
-    (eta kap + lam H)[w P_j^(A,B)] = -(lam 2^k0 / sin(pi A)) P_(j+k0)^(-A,-B),    H[T_n / sqrt(1 - X^2)] = U_(n-1).
-"""
+"""Basis of the tractions on the contact, its Hilbert transforms and its projections (films, F4.1 and F4.2)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,24 +10,24 @@ from scipy.special import beta, roots_jacobi
 from solver.arrays import Array, Points
 from solver.cache import cached
 
-#: The closed transforms cancel exp(c), c = 2 M log of the ellipse through z: below this c, three digits, they are used.
+#: The closed transforms lose a factor exp(c), c = 2 M log of the ellipse through z; below this c (3 digits) they serve.
 CANCELS = 6.9
-#: Beyond, Gauss's rules are exact to rounding: nodes a term, and the range of c.
+#: Above it Gauss's rules are exact to rounding: nodes per term, and the range of c.
 RULES = ((5.0, CANCELS, 20.0), (2.4, 20.0, 60.0), (1.2, 60.0, np.inf))
 
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Basis with exponents of one friction, and its rules; nothing here knows a length."""
+    """Basis of the tractions in X for one friction and kind of edges, with its quadrature rules."""
 
-    delta: float
-    smooth: tuple[bool, bool]
-    terms: int
-    samples: int
+    delta: float  # Friction angle over pi: A = 1/2 + delta at a smooth trailing edge
+    smooth: tuple[bool, bool]  # Whether the trailing and the leading edge are smooth
+    terms: int  # M, number of collocation nodes
+    samples: int  # N, number of quadrature nodes
 
     @property
     def exponents(self) -> tuple[float, float]:
-        """A and B."""
+        """Exponents A and B of w = (1 - X)^A (1 + X)^B."""
         return (0.5 if self.smooth[0] else -0.5) + self.delta, (0.5 if self.smooth[1] else -0.5) - self.delta
 
     @property
@@ -64,7 +57,7 @@ class Basis:
 
     @cached_property
     def projection(self) -> Array:
-        """Matrix from values at the nodes to coefficients in P^(-A,-B), by the Gauss rule itself; (M, M)."""
+        """Matrix from values at the nodes to coefficients in P^(-A,-B), by Gauss's rule; (M, M)."""
         X, weights = self._dual_rule
         return np.asarray(self.dual(X, self.terms) * weights / self.dual_norms[:, None])
 
@@ -96,7 +89,7 @@ class Basis:
 
     @cached_property
     def mean(self) -> Array:
-        """Weights, at the nodes, of the mean over the contact with weight (1 - X^2)^(3/2); (M,)."""
+        """Weights at the nodes of the mean over the contact with weight (1 - X^2)^(3/2); (M,)."""
         X, weights = mean_rule(self.terms)
         return np.asarray(weights @ self.dual(X, self.terms).T @ self.projection)
 
@@ -105,12 +98,12 @@ class Basis:
         return jacobi(self.pressures, *self.exponents, X)
 
     def dual(self, X: Array, count: int) -> Array:
-        """P_j^(-A,-B) at X, (X,), within [-1, 1]; (count, X)."""
+        """P_j^(-A,-B) at X (X,) in [-1, 1]; (count, X)."""
         A, B = self.exponents
         return jacobi(count, -A, -B, X).T
 
     def local(self, X: Points) -> Points:
-        """The right side (2^k0 / sin pi A) P_(j+k0)^(-A,-B), P_(-1) = 0; (X, pressures)."""
+        """Right side (2^k0 / sin pi A) P_(j+k0)^(-A,-B) of F4.2, with P_(-1) = 0; (X, pressures)."""
         A, B = self.exponents
         dual = jacobi(self.terms, -A, -B, X)
         if self.order == 1:
@@ -118,12 +111,12 @@ class Basis:
         return self.gain * (dual if self.order == 0 else np.concatenate([0 * dual[..., :1], dual], -1))
 
     def weight(self, X: Array) -> Array:
-        """w at |X| < 1."""
+        """Weight w at |X| < 1, of the shape of X."""
         A, B = self.exponents
         return np.asarray((1 - X) ** A * (1 + X) ** B)
 
     def transforms(self, z: Points) -> tuple[Points, Points]:
-        """H[w P_j] and H[T_n / sqrt(1 - X^2)] off the contact; (..., pressures) and (..., M + 1)."""
+        """H[w P_j] (..., pressures) and H[T_n / sqrt(1 - X^2)] (..., M + 1) at z (...), |z| > 1 or Im z >= 0."""
         return self.transformed(z, np.eye(self.pressures)), self.charged(z)
 
     def charged(self, z: Points) -> Points:
@@ -136,7 +129,7 @@ class Basis:
         return np.moveaxis(out, 0, -1)
 
     def transformed(self, z: Points, terms: Array) -> Points:
-        """H[w sum_j terms_j P_j] off the contact, at z as for :meth:`transforms`, of terms (pressures, c); (..., c)."""
+        """H[w sum_j terms_j P_j] at z as for :meth:`transforms`, of terms (pressures, c); (..., c)."""
 
         def near(z: Points) -> Points:
             outside = self.outside(z)[..., None] * (self.pressure_factor(z) @ terms)
@@ -145,7 +138,7 @@ class Basis:
         return off_contact(z, self.terms, self.exponents, terms, near)
 
     def outside(self, z: Points) -> Points:
-        """(z - 1)^A (z + 1)^B / sin pi A off the contact."""
+        """(z - 1)^A (z + 1)^B / sin pi A off the contact, of the shape of z."""
         A, B = self.exponents
         scale = self.gain / 2.0**self.order
         if np.iscomplexobj(z):
@@ -168,7 +161,7 @@ class Basis:
 
     @cached_property
     def sign_moments(self) -> Array:
-        """Integrals of w P_j times the mean of sgn(X - S) / 2 over X; (pressures,): by a double exponential rule."""
+        """Integrals of w P_j times the mean of sgn(X - S) / 2 over X, by a double exponential rule; (pressures,)."""
         A, B = self.exponents
         S, to_trailing, to_leading, weight = double_exponential(min(A + 1, B + 1), 241 + 8 * self.terms)
         weight = weight * to_trailing**A * to_leading**B
@@ -179,10 +172,9 @@ class Basis:
 
 @cached
 def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
-    """Gauss's rule of weight (1 - X)^A (1 + X)^B: nodes and weights, which cannot be written to."""
-    with np.errstate(
-        invalid="ignore", divide="ignore"
-    ):  # SciPy divides by 0 where A + B = -1, in a place that it then replaces
+    """Nodes and weights (count,) of Gauss's rule with weight (1 - X)^A (1 + X)^B, read-only."""
+    # SciPy divides by 0 where A + B = -1, in an entry that it then replaces
+    with np.errstate(invalid="ignore", divide="ignore"):
         X, weights = roots_jacobi(count, A, B)
     for array in (X, weights):
         array.flags.writeable = False
@@ -192,14 +184,14 @@ def gauss_jacobi(count: int, A: float, B: float) -> tuple[Array, Array]:
 def off_contact(
     z: Points, count: int, exponents: tuple[float, float], terms: Array, near: Callable[[Points], Points]
 ) -> Points:
-    """H[w sum_j terms_j P_j] off the contact at z, (...), |z| > 1 or Im z >= 0, of terms (j, c); (..., c)."""
+    """H[w sum_j terms_j P_j] at z (...) off the contact, of terms (j, c), by ``near`` close to it; (..., c)."""
     cancellation = 2 * count * np.log(np.abs(ellipse(z)[0]))
     out = np.empty((*z.shape, terms.shape[-1]), z.dtype)
     close = cancellation < CANCELS
     out[close] = near(z[close])
-    for share, least, most in RULES:
+    for nodes_per_term, least, most in RULES:
         far = (cancellation >= least) & (cancellation < most)
-        out[far] = by_gauss(z[far], int(np.ceil(share * count)), exponents, terms)
+        out[far] = by_gauss(z[far], int(np.ceil(nodes_per_term * count)), exponents, terms)
     return out
 
 
@@ -212,13 +204,13 @@ def by_gauss(z: Points, nodes: int, exponents: tuple[float, float], terms: Array
 
 
 def ellipse(z: Points) -> tuple[Points, Points]:
-    """z + sqrt(z^2 - 1), outside of the unit disk, and the root."""
+    """Return z + sqrt(z^2 - 1), which lies outside the unit disk, and the root, both of the shape of z."""
     root = np.sqrt(z - 1) * np.sqrt(z + 1) if np.iscomplexobj(z) else np.sign(z) * np.sqrt(z * z - 1)
     return z + root, root
 
 
 def double_exponential(least: float, count: int) -> tuple[Array, Array, Array, Array]:
-    """Nodes X, 1 - X, 1 + X and weights of a rule on [-1, 1] for any behaviour at its ends; (count,) each."""
+    """Nodes X, 1 - X, 1 + X and weights of a rule on [-1, 1] for any singularity at its ends; (count,) each."""
     end = np.arcsinh(40 / (np.pi * least))  # e^-40 of the integrand is left out
     steps = np.linspace(-end, end, count)
     below, above = 2 / (1 + np.exp(-np.pi * np.sinh(steps))), 2 / (1 + np.exp(np.pi * np.sinh(steps)))
@@ -233,7 +225,7 @@ def mean_rule(count: int) -> tuple[Array, Array]:
 
 
 def log_mean(S: Array) -> Array:
-    """Mean of log|X - S| over X with weight (1 - X^2)^(3/2) (films, section 5)."""
+    """Mean of log|X - S| over X with weight (1 - X^2)^(3/2) (films, F5.1), of the shape of S."""
     return np.asarray(-np.log(2) + 2 / 3 * (2 * S**2 - 1) - (8 * S**4 - 8 * S**2 + 1) / 12)
 
 

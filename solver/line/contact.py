@@ -1,7 +1,6 @@
-"""Contact of a rigid punch on a film: extent, punch response, edge values, tangents (films, sections 4 and 5).
+"""Contacts of punches on a film: extent, punch response, edge values and tangents (films, sections 4 and 5).
 
-Arrays have the case axis first. Displacements are linear in the causes at a fixed contact; tangents at fixed load move
-the edges, so that reciprocity, exact at a fixed contact, does not hold for them.
+Tangents move the edges, so that reciprocity, exact at a fixed contact, does not hold for them.
 """
 
 from dataclasses import dataclass
@@ -23,14 +22,14 @@ _NORMAL = np.diag([1.0, 0.0, 0.0])  # (y, y) among (y, phi, psi)
 
 @dataclass(frozen=True, eq=False)
 class FilmContact:
-    """Contacts of cases read from a table."""
+    """Contacts of cases, read from a table."""
 
     table: Table
     profile: Profile
-    load: Array
-    charges: Array
-    datum: Array
-    punch_datum: Array | None = None
+    load: Array  # P [N/m]; (case,)
+    charges: Array  # T [C/m] and J [Wb/m]; (case, 2)
+    datum: Array  # L [m]
+    punch_datum: Array | None = None  # Reference length of an elastic punch [m]; by default L
 
     @property
     def scale(self) -> Array:
@@ -39,7 +38,7 @@ class FilmContact:
 
     @cached_property
     def loading(self) -> Loading:
-        """Slope and loads in the units of the stack; a punch that tilts has the slope that its moment asks for."""
+        """Slope and loads in the units of the stack; a punch free to tilt has the slope that its moment requires."""
         loading = Loading.of(self.table, self.profile, self.load, self.charges)
         if self.profile.moment is None or self._corners is None:
             return loading
@@ -60,35 +59,36 @@ class FilmContact:
 
     @cached_property
     def _extent(self) -> tuple[Array, Array]:
+        """Half-length [m] and c/h; (case,) each."""
         return extent(self.table, self.loading, self._corners)
 
     @property
     def half_width(self) -> Array:
-        """h = (a + b)/2 [m]."""
+        """h = (a + b)/2 [m]; (case,)."""
         return self._extent[0]
 
     @property
     def centre(self) -> Array:
-        """c/h = (a - b)/(a + b)."""
+        """c/h = (a - b)/(a + b); (case,)."""
         return self._extent[1]
 
     @property
     def exponent(self) -> float:
-        """Pressure exponent alpha, that of the top material's half-plane."""
+        """Pressure exponent alpha of the top material's half-plane."""
         return 0.5 + self.table.system.coefficients.delta
 
     @cached_property
     def causes(self) -> Causes:
-        """Causes at the extent."""
+        """Causes at the contact's extent."""
         return self.loading.at(self.half_width, self.centre)
 
     def _read(self, which: slice, *, rate: bool = False) -> Array:
-        """Outputs, or their derivatives in log h, for every cause; (case, output, cause)."""
+        """Outputs, or their derivatives by log h, for every cause; (case, output, cause)."""
         series = self.table.rates if rate else self.table.series
         return self.table.interval.read(np.log(self.half_width), series[:, which])
 
     def output(self, which: slice) -> Array:
-        """Outputs of :mod:`solver.line.outputs`, powers of h out, units of the stack; (case, output)."""
+        """Outputs of :mod:`solver.line.outputs` in the units of the stack, powers of h divided out; (case, output)."""
         return self.table.interval.read(np.log(self.half_width), self.table.series[:, which], self.causes.values)
 
     # -- edges ---------------------------------------------------------------------------------------------------------
@@ -104,7 +104,7 @@ class FilmContact:
     # -- response ------------------------------------------------------------------------------------------------------
     @cached_property
     def far(self) -> Array:
-        """(Y_low)_oo log(L/b) / pi: displacements per total of the tractions that the datum adds; (case or 1, 3, 3)."""
+        """(Y_low)_oo log(L/b) / pi, the datum's displacements per total traction; (case or 1, 3, 3)."""
         system = self.table.system
         punch_length = self.datum if self.punch_datum is None else self.punch_datum
         body, punch = (
@@ -117,33 +117,29 @@ class FilmContact:
     def response(self) -> Array:
         """Depth [m], voltage [V] and magnetic potential [A] of the punch; (case, 3)."""
         displacement = self.half_width[:, None] * self.output(outputs.DISPLACEMENT)
-        whole = displacement - dot(self.far, self.loading.loads[:, None, :])
-        whole[:, 0] = rise(self.loading.slope, self.half_width, self.centre)[:, 0] - whole[:, 0]
-        return np.asarray(whole * self.scale[1:])
+        response = displacement - dot(self.far, self.loading.loads[:, None, :])
+        response[:, 0] = rise(self.loading.slope, self.half_width, self.centre)[:, 0] - response[:, 0]
+        return np.asarray(response * self.scale[1:])
 
     @cached_property
     def at_fixed_contact(self) -> Array:
-        """d (depth, voltage, magnetic potential) / d (T, J) at a fixed width of the contact, SI; (case, 3, 2).
-
-        Charges carry a part of the load, which changes with them, and move the contact where there is friction.
-        """
-        slopes = self._by_load
+        """d (depth, voltage, magnetic potential) / d (T, J) at a fixed width of the contact, SI; (case, 3, 2)."""
+        slopes = self._by_load[..., 1:]
         if self.loading.order != -1:
             jacobian, right, by_edges = self._edges
-            shift = right[:, 1, 1:] / jacobian[:, 1, 1, None]
-            carried = jacobian[:, 0, 1, None] * shift - right[:, 0, 1:]
-            slopes = slopes[..., 1:] - self.far[..., :1] * carried[:, None, :] + by_edges[..., 1:] * shift[:, None, :]
-        else:
-            slopes = slopes[..., 1:]
+            shift = right[:, 1, 1:] / jacobian[:, 1, 1, None]  # of the contact with its charges, under friction
+            carried = jacobian[:, 0, 1, None] * shift - right[:, 0, 1:]  # load that the charges carry
+            slopes = slopes - self.far[..., :1] * carried[:, None, :] + by_edges[..., 1:] * shift[:, None, :]
         return self._si(slopes, self.scale[2:])
 
     @property
     def _first_charge(self) -> int:
+        """Index of T among the causes."""
         return len(self.table.system.powers)
 
     @cached_property
     def tangents(self) -> Array:
-        """d (depth, voltage, magnetic potential) / d (P, T, J) with the moving edges, SI; (case, 3, 3)."""
+        """d (depth, voltage, magnetic potential) / d (P, T, J) as the edges move, SI; (case, 3, 3)."""
         if self.loading.order == -1:
             return self._si(self._by_load, self.scale[1:])
         jacobian, right, by_edges = self._edges
@@ -165,65 +161,59 @@ class FilmContact:
 
     @cached_property
     def _edges(self) -> tuple[Array, Array, Array]:
-        """Derivatives that move smooth edges, with log h and c/h as unknowns.
-
-        Derivatives of load and balance by them, (case, 2, 2), the changes by (P, T, J) that these undo, (case, 2, 3),
-        and the derivatives of (displacement, potentials) by them, (case, 3, 2); units of the stack.
-        """
+        """Jacobian, right sides and displacements of the system for smooth edges (log h, c/h), units of the stack."""
         h, causes, first = self.half_width, self.causes, self._first_charge
         read, rate = self._read(outputs.DISPLACEMENT), self._read(outputs.DISPLACEMENT, rate=True)
         rows = slice(outputs.LOAD, outputs.BALANCE + 1)
-        values, kept_rate = (r[:, :: outputs.BALANCE] for r in (self._read(rows), self._read(rows, rate=True)))
+        values, value_rate = (r[:, :: outputs.BALANCE] for r in (self._read(rows), self._read(rows, rate=True)))
         carried = h[:, None] * _sum(values[:, :1], causes.values)
-        jacobian = np.zeros((h.size, 2, 2))
-        jacobian[:, 0, 0] = (carried + h[:, None] * _moved(values[:, :1], kept_rate[:, :1], causes))[:, 0]
+        jacobian = np.zeros((h.size, 2, 2))  # of load and balance by (log h, c/h)
+        jacobian[:, 0, 0] = (carried + h[:, None] * _by_width(values[:, :1], value_rate[:, :1], causes))[:, 0]
         jacobian[:, 1, 1] = 1.0
-        right = np.zeros((h.size, 2, 3))
+        right = np.zeros((h.size, 2, 3))  # changes of load and balance by (P, T, J) that the edges undo
         right[:, 0, 0] = 1.0
         right[:, 0, 1:] = -values[:, 0, first : first + 2]
         if self.loading.order == 1:
             jacobian[:, 0, 1] = h * _sum(values[:, :1], causes.by_centre)[:, 0]
-            jacobian[:, 1, 0] = causes.constant_by_width - _moved(values[:, 1:], kept_rate[:, 1:], causes)[:, 0]
+            jacobian[:, 1, 0] = causes.constant_by_width - _by_width(values[:, 1:], value_rate[:, 1:], causes)[:, 0]
             jacobian[:, 1, 1] = causes.constant_by_centre - _sum(values[:, 1:], causes.by_centre)[:, 0]
             right[:, 1, 1:] = values[:, 1, first : first + 2] / h[:, None]
-        by_edges = np.empty((h.size, 3, 2))
-        by_edges[..., 0] = h[:, None] * (_sum(read, causes.values) + _moved(read, rate, causes))
+        by_edges = np.empty((h.size, 3, 2))  # derivatives of (displacement, potentials) by (log h, c/h)
+        by_edges[..., 0] = h[:, None] * (_sum(read, causes.values) + _by_width(read, rate, causes))
         by_edges[..., 1] = h[:, None] * _sum(read, causes.by_centre)
         by_edges[:, 0] -= rise(self.loading.slope, h, self.centre)[:, 1:]
         return jacobian, right, by_edges
 
     def _si(self, tangents: Array, loads: Array) -> Array:
-        """Derivatives by some loads in SI, those of the displacement as depth, g - u_y."""
+        """Derivatives in SI by loads with units ``loads``; that of the displacement becomes the depth's, g - u_y."""
         scaled = tangents * self.scale[1:, None] * loads
         scaled[:, 0] *= -1
         return np.asarray(scaled)
 
-    def part(self, places: Indices) -> "FilmContact":
-        """Some of the cases."""
+    def part(self, cases: Indices) -> "FilmContact":
+        """Return the contacts of the selected cases."""
         size = self.load.shape
 
-        def chosen(values: Array) -> Array:
-            return np.asarray(np.broadcast_to(values, size)[places])
+        def selected(values: Array) -> Array:
+            return np.asarray(np.broadcast_to(values, size)[cases])
 
-        punch_datum = None if self.punch_datum is None else chosen(self.punch_datum)
-        profile, charges = self.profile.part(places, size), self.charges[places]
-        return FilmContact(self.table, profile, self.load[places], charges, chosen(self.datum), punch_datum)
+        punch_datum = None if self.punch_datum is None else selected(self.punch_datum)
+        profile, charges = self.profile.part(cases, size), self.charges[cases]
+        return FilmContact(self.table, profile, self.load[cases], charges, selected(self.datum), punch_datum)
 
 
 def _sum(read: Array, causes: Array) -> Array:
+    """Outputs (case, output) of outputs per cause (case, output, cause) and causes (case, cause)."""
     return np.asarray(np.einsum("coq,cq->co", read, causes))
 
 
-def _moved(read: Array, rate: Array, causes: Causes) -> Array:
-    """Derivative of outputs in log h at fixed loads."""
+def _by_width(read: Array, rate: Array, causes: Causes) -> Array:
+    """Derivatives of outputs by log h at fixed loads; (case, output)."""
     return _sum(rate, causes.values) + _sum(read, causes.by_width)
 
 
 def rise(slope: Array, half: Array, centre: Array) -> Array:
-    """Mean of g over the contact with weight (1 - X^2)^(3/2), and its derivatives in log h and c/h; (case, 3).
-
-    slope: (case, power), coefficients of g'.
-    """
+    """Mean of g with weight (1 - X^2)^(3/2), of g' (case, power), and its derivatives by log h and c/h; (case, 3)."""
     result = np.zeros((half.size, 3))
     for i, coefficient in enumerate(slope.T):
         size, mean = coefficient * half ** (i + 1), _mean_power(centre, i + 1)
@@ -232,6 +222,6 @@ def rise(slope: Array, half: Array, centre: Array) -> Array:
 
 
 def _mean_power(centre: Array, n: int) -> Array:
-    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2) at c/h (case,), by Gauss's rule; (case,)."""
+    """Mean of (X + c/h)^n with weight (1 - X^2)^(3/2), by Gauss's rule; (case,)."""
     X, weights = mean_rule(n // 2 + 4)
     return np.asarray((X + centre[:, None]) ** n @ weights)

@@ -1,9 +1,4 @@
-"""Charge that a contact along a line brings to an electrode below it, and to strips of it (films, section 11).
-
-With q(k) the rows of an electrode times the transforms of the tractions, a strip of width w in the distance d collects
-(1/pi) Re int q exp(ikd) 2 sin(kw/2) dk/k. On top a part of q is v of the tractions at the same place, which the
-antiderivatives F of these give: Im F of what presses, Re F of what is sheared.
-"""
+"""Charge that a contact along a line induces on an electrode below it, and on strips of it (films, F11.3)."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -25,15 +20,15 @@ _CHARGES_AT_ONCE = 200_000  # transforms of cases at wavenumbers held at once
 def electrode_quantities(films: Films, reading: Reading) -> dict[str, Array]:
     """Requested electrode and strip quantities of `solver.names`, SI; (case,)."""
     reading, parts = reading.over(films.thickness), list[tuple[Indices, dict[str, Array]]]()
-    for places, window, contact in films.parts:
-        part = reading.part(places)
-        read = partial(_OfLine, films.kind, window, contact, part, films.thickness[places])
-        parts.append((places, together(part, read, contact.half_width)))
+    for cases, window, contact in films.parts:
+        part = reading.part(cases)
+        read = partial(_OfLine, films.kind, window, contact, part, films.thickness[cases])
+        parts.append((cases, together(part, read, contact.half_width)))
     return joined(parts, films.load.size)
 
 
 def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"], extent: Array) -> dict[str, Array]:
-    """Outputs of cases by electrode and by octave of distances, those that all have."""
+    """Compute cases by electrode and octave of distances, and return the outputs that all have; (case,) each."""
     octaves, parts = octave_of(reading.reach + extent), list[tuple[Indices, dict[str, Array]]]()
     for number in np.unique(reading.collector).tolist():
         for octave in np.unique(octaves).tolist():
@@ -49,7 +44,7 @@ def together(reading: Reading, read: Callable[[Indices, int, int], "Collected"],
 
 
 class Collected(ABC):
-    """Charge that contacts of either kind bring to one electrode and to patches of it; (case,) each."""
+    """Charge that contacts along a line or at a point induce on one electrode and on patches of it; (case,) each."""
 
     def __init__(self, electrode: Electrode, reading: Reading, force: Array, loads: Array, thickness: Array) -> None:
         self.electrode, self.reading, self.force, self.thickness = electrode, reading, force, thickness
@@ -57,7 +52,7 @@ class Collected(ABC):
         self._whole = -np.einsum("j,cj->c", electrode.whole, loads * self.scale[1:]) / self.scale[2]
 
     def quantities(self) -> dict[str, Array]:
-        """Quantities of ``solver.names.ELECTRODE_QUANTITIES`` that the reading has; by name, SI."""
+        """Return the quantities of ``solver.names.ELECTRODE_QUANTITIES`` that the reading asks for, SI."""
         reading, force = self.reading, self.force
         out = {
             "electrode_charge_per_force": self._whole / force,
@@ -77,20 +72,21 @@ class Collected(ABC):
         """Pressure on the electrode below the middle of the contact [Pa]."""
 
     def _patch(self, distance: Array) -> Array:
-        """Charges of patches whose middles are at distances (case,) over the top layer's thickness."""
+        """Charges of patches centred at distances (case,) over the top layer's thickness [C or C/m]; (case,)."""
         return self._charge(distance, slope=False)
 
     @abstractmethod
     def _charge(self, distance: Array, *, slope: bool) -> Array:
-        """Charges of patches without friction at distances, or their derivatives by these."""
+        """Charges of patches at distances (case,), or their derivatives by the distance."""
 
     @property
     def _size(self) -> Array:
+        """Size of the patches over the top layer's thickness, 0 without patches; (case,)."""
         return np.zeros_like(self.force) if self.reading.size is None else self.reading.size
 
 
 class _OfLine(Collected):
-    """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
+    """Contacts along a line of one window, electrode and octave of distances, over the top layer's thickness."""
 
     def __init__(
         self, kind: Kind, window: int, contact: FilmContact, reading: Reading, thickness: Array,

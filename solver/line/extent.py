@@ -1,9 +1,4 @@
-"""Causes of a contact, and its extent under a load, read from a table (films, section 4).
-
-A contact's outputs are linear in its causes: powers of X in the punch's slope, and charges. Between smooth edges the
-half-length and the centre are unknown, with one corner the half-length: brackets, then Newton's iteration. Cases are
-vectors; what is not one contact without tension within the resolved range is refused by name.
-"""
+"""Causes of a contact, and its extent under a load by bracketing and Newton's iteration (films, section 4)."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -20,21 +15,19 @@ from solver.line.table import LengthsError, RangeError, Table
 
 @dataclass(frozen=True, eq=False)
 class Causes:
-    """The causes at an extent of the contact, and their derivatives in log h and in c/h."""
+    """Causes at an extent of the contact, and their derivatives by log h and by c/h."""
 
-    # Powers of X in g', T/h, J/h and, between corners, P/h; (..., cause)
-    values: Array
+    values: Array  # Powers of X in g', T/h, J/h and, between corners, P/h; (..., cause)
     by_width: Array
     by_centre: Array
-    # Constant slope a_0 that the centre gives; (...)
-    constant: Array
+    constant: Array  # Constant slope a_0 (F4.4); (...)
     constant_by_width: Array
     constant_by_centre: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Loading:
-    """Punches and loads of cases in the units of a stack."""
+    """Slopes of punches and loads of cases, in the units of a stack."""
 
     slope: Array  # Coefficients of g' in powers of x; (case, degree + 1)
     loads: Array  # P, T and J; (case, 3)
@@ -50,7 +43,7 @@ class Loading:
         return cls(slope, stack(load * scale[1], charges[:, 0] * scale[2], charges[:, 1] * scale[3]), profile.smooth)
 
     def part(self, cases: slice) -> "Loading":
-        """Some of the cases."""
+        """Return the loading of the selected cases."""
         return selected(self, cases, "slope", "loads")
 
     @property
@@ -101,6 +94,7 @@ def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Ar
 
 
 def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
+    """Half-length [m] and c/h of contacts with a smooth edge, by Newton's iteration; (case,) each."""
     log_half, centre, lower, upper = _start(table, loading)
     value, rate = (c[:, [LOAD, BALANCE]] for c in (table.series, table.rates))
     load, smooth = loading.loads[:, 0], loading.order == 1
@@ -135,7 +129,7 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
 
 
 def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
-    """log h and c/h by interpolation between the half-lengths of the table, and the bracket of log h of every case."""
+    """Interpolate log h and c/h between the half-lengths of the table, and bracket log h; (case,) each."""
     carried = load_at_nodes(table, loading)
     load, logs = loading.loads[:, :1], np.log(table.half_lengths)
     enough = carried >= load
@@ -157,30 +151,29 @@ def _start(table: Table, loading: Loading) -> tuple[Array, Array, Array, Array]:
 
 
 def require_one(enough: BoolArray) -> None:
-    """Refuse contacts of several lengths that carry the load: rising half-lengths that carry it (case, half-length)."""
+    """Refuse loads carried by several lengths, from flags of rising half-lengths that carry it (case, half-length)."""
     if np.any(np.sum(enough[:, 1:] != enough[:, :-1], -1) > 1):
         raise LengthsError("contact: contacts of more than one length carry the load (charges too large for it)")
 
 
 def load_at_nodes(table: Table, loading: Loading) -> Array:
     """Load that each half-length of the table carries; (case, node)."""
-    h, load = table.half_lengths, table.at_nodes[:, LOAD]
-    if loading.order == 1 and loading.slope.shape[-1] == 2:  # the slope of a cylinder knows no centre
+    h, load, smooth = table.half_lengths, table.at_nodes[:, LOAD], loading.order == 1
+    if smooth and loading.slope.shape[-1] == 2:  # the slope of a cylinder is independent of the centre
         weights = np.stack([h**2 * load[:, 0], load[:, 1], load[:, 2]])
         return np.asarray(np.concatenate([loading.slope[:, 1:], loading.loads[:, 1:]], -1) @ weights)
     half = np.broadcast_to(h, (len(loading.loads), h.size))
-    centred = loading.order == 1
-    centre = _centred(loading, half, table.at_nodes[:, BALANCE]) if centred else _corner(loading, half)
+    centre = _centred(loading, half, table.at_nodes[:, BALANCE]) if smooth else _corner(loading, half)
     return half * dot(load, loading.at(half, centre).values)
 
 
 def _corner(loading: Loading, half: Array) -> Array:
-    """c/h of a contact whose corner is the origin."""
+    """c/h of a contact whose corner is the origin, of the shape of ``half``."""
     return np.full(half.shape, float(loading.smooth[0]) - float(loading.smooth[1]))
 
 
 def _centred(loading: Loading, half: Array, balance: Array) -> Array:
-    """c/h that balances two smooth edges at given half-lengths: Newton's iteration, exact at once for a cylinder."""
+    """c/h that balances two smooth edges, by Newton's iteration (one step for a cylinder); of the shape of ``half``."""
     centre = np.zeros(half.shape)
     for _ in range(_EXTENT_STEPS):
         causes = loading.at(half, centre)
@@ -193,6 +186,7 @@ def _centred(loading: Loading, half: Array, balance: Array) -> Array:
 
 
 def _require_within(table: Table, half: Array) -> None:
+    """Refuse half-lengths [m] outside the table."""
     if np.any(half < table.lower * (1 - 1e-12)):
         raise RangeError(_beyond(table, "narrower"))
     if np.any(half > table.upper * (1 + 1e-12)):
@@ -200,12 +194,14 @@ def _require_within(table: Table, half: Array) -> None:
 
 
 def _beyond(table: Table, how: str) -> str:
+    """Return the message about contacts that are narrower or wider than the table."""
     top = table.system.kernel.stack.top.thickness
     least, most = table.lower / top, table.upper / top
     return f"contact: {how} than the resolved range, {least:g} to {most:g} of half-length over top layer's thickness"
 
 
 def _refuse_tension(table: Table, loading: Loading, half: Array, centre: Array) -> None:
+    """Refuse contacts with tension between punch and surface."""
     samples = table.series[:, PRESSURE][:, ::8]
     pressure = table.interval.read(np.log(half), samples, loading.at(half, centre).values)
     if np.any(np.min(pressure, -1) < -_TENSION * np.max(np.abs(pressure), -1)):

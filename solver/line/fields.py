@@ -1,8 +1,4 @@
-"""Fields of films along the surface, on both sides of the contact, and inside (films, section 3; theory section 5).
-
-On the surface at fixed positions X the fields are functions of log h, linear in the causes: a table of their own, then
-a product. Inside they are computed in blocks of cases and points: bounded memory.
-"""
+"""Fields of films along the surface, tabulated over log h, and inside (films, sections 3 and 6; theory, section 5)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -35,10 +31,10 @@ _INSIDE = 1 << 16  # points times cases inside at a time
 
 @dataclass(frozen=True, eq=False)
 class SurfaceTable:
-    """Fields at positions over the half-lengths of a table."""
+    """Fields on the surface at fixed positions over the half-lengths of a table."""
 
     table: Table
-    positions: Array
+    positions: Array  # X = (x - c)/h; (position,)
 
     @cached_property
     def series(self) -> Array:
@@ -57,15 +53,15 @@ class SurfaceTable:
 
     def fields(self, contact: FilmContact) -> dict[str, Array]:
         """Fields like :func:`fields`, for contacts read from the same table."""
-        whole = self.table.interval.read(np.log(contact.half_width), self.series, contact.causes.values)
-        return of_local(self.table.system, whole)
+        local = self.table.interval.read(np.log(contact.half_width), self.series, contact.causes.values)
+        return of_local(self.table.system, local)
 
 
-def of_local(system: System, whole: Array) -> dict[str, Array]:
+def of_local(system: System, local: Array) -> dict[str, Array]:
     """Fields of ``FIELDS``, SI, from sums (case, 6, position) of :func:`local_fields`; (case, position) each."""
     half, scale = system.sliding.halfplane, system.kernel.stack.scale
-    t = whole[:, _TRACTIONS] / scale[1:, None]
-    gradient = whole[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
+    t = local[:, _TRACTIONS] / scale[1:, None]
+    gradient = local[:, _GRADIENTS] * np.array([scale[2], scale[3], scale[0]])[:, None]
     shear = system.coefficients.friction * t[:, 0]
     flux = -np.einsum("fg,cgp->cfp", half.transverse_permittivity, gradient[:, :2])
     flux = flux + half.transverse_shear_share[:, None] * shear[:, None]
@@ -82,7 +78,7 @@ def of_local(system: System, whole: Array) -> dict[str, Array]:
 
 
 def local_fields(assembly: Assembly) -> Array:
-    """(sigma_yy, D_y, B_y) and d(phi, psi, u_x)/dx at the points, of every unknown; (half, 6, point, unknown)."""
+    """(sigma_yy, D_y, B_y) and d(phi, psi, u_x)/dx of every unknown at the points; (half, 6, point, unknown)."""
     system, basis, X = assembly.system, assembly.basis, assembly.points
     c, inside = system.coefficients, np.abs(X) < 1
     count = system.unknowns(basis)
@@ -125,10 +121,10 @@ def fields(films: Films, positions: Array) -> dict[str, Array]:
         part = films.part(slice(start, start + block))
         for first in range(0, positions.size, _POSITIONS):
             X = positions[first : first + _POSITIONS]
-            for places, number, contact in part.parts:
+            for cases, number, contact in part.parts:
                 values = _surface_window(films.kind, number, tuple(X.tolist())).fields(contact)
-                for name, whole in out.items():
-                    whole[np.ix_(start + places, np.arange(first, first + X.size))] = values[name]
+                for name, field in out.items():
+                    field[np.ix_(start + cases, np.arange(first, first + X.size))] = values[name]
     return out
 
 
@@ -137,13 +133,13 @@ def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) ->
     pieces = list(in_blocks(x, y))
     together = max(_INSIDE // (y[pieces[0][0]].size * x[pieces[0][1]].size), 1)
     out = np.empty((films.load.size, len(names), y.size, x.size))
-    for places, number, contact in films.parts:
+    for cases, number, contact in films.parts:
         tractions = traction_window(films.kind, number).read(contact)
-        datum = np.broadcast_to(contact.datum, places.shape)
-        for block in blocks(places.size, together):
+        datum = np.broadcast_to(contact.datum, cases.shape)
+        for block in blocks(cases.size, together):
             for rows, columns in pieces:
                 values = fields_of(tractions.part(block), x[columns], y[rows], names, datum[block])
-                out[places[block], :, rows, columns] = values
+                out[cases[block], :, rows, columns] = values
     for number, name in enumerate(names):
         if name in POTENTIALS:
             out[:, number] *= films.thickness[:, None, None]
@@ -151,7 +147,7 @@ def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) ->
 
 
 def in_blocks(x: Array, y: Array) -> Iterator[tuple[slice, slice]]:
-    """Yield rows and columns of a grid of places x, (x,), and y, (y,), some at a time."""
+    """Yield rows and columns of blocks of a grid of positions x (x,) and y (y,)."""
     across = min(x.size, _ALONG)
     down = min(y.size, max(_POINTS // across, 1))
     for first in range(0, y.size, down):

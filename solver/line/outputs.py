@@ -1,8 +1,7 @@
-"""The smooth kernels applied to the basis of the tractions, and outputs per unknown (films, sections 4 and 5).
+"""Kernels applied to the basis of the tractions, and outputs as linear functionals of a contact's unknowns.
 
-Outputs are linear functionals of the unknowns of a contact's system. Powers of the half-length are taken out:
-``P = h load``, displacements ``u = h displacement``, edge intensities ``K = sqrt(h) intensity``. The displacements are
-means over the contact with weight (1 - X^2)^(3/2), and have the datum L = b of the kernels.
+Powers of the half-length are divided out: ``P = h load``, ``u = h displacement``, ``K = sqrt(h) intensity``.
+Displacements are the means of films, section 5, with the datum L = b of the kernels.
 """
 
 from dataclasses import dataclass, field
@@ -21,7 +20,7 @@ EDGES = np.array([1.0, -1.0])
 
 @dataclass(frozen=True, eq=False)
 class Assembly:
-    """Integrals of kernels against the basis of one system at half-lengths of like size."""
+    """Integrals of kernels against the basis of one system, at half-lengths (half,) and points X (point,)."""
 
     system: System
     basis: Basis
@@ -30,7 +29,7 @@ class Assembly:
 
     @cached_property
     def unknowns(self) -> Array:
-        """Unknowns for every cause; (half, unknown, cause)."""
+        """Solution of the system for every cause; (half, unknown, cause)."""
         return self.system.solve(self.basis, self.at_nodes)
 
     @property
@@ -50,6 +49,7 @@ class Assembly:
 
     @cached_property
     def _integrals(self) -> tuple[Array, Array]:
+        """Gradients at nodes and points (half, 4, M + point, unknown), and mean displacements (half, 3, unknown)."""
         points = np.concatenate([self.basis.nodes, self.points])
         size = self.half_lengths.size
         gradients = np.zeros((size, 4, points.size, self.system.unknowns(self.basis)))
@@ -65,7 +65,7 @@ class Assembly:
         return gradients, displacements
 
     def sources(self) -> list[tuple[slice, Array, Array, Array]]:
-        """Unknowns, quadrature nodes, rule and (sigma_yy, D_y, B_y) carried, of the pressure and of each field."""
+        """Unknowns, quadrature nodes, rule and (sigma_yy, D_y, B_y) carried, by the pressure and by each field."""
         basis, c = self.basis, self.system.coefficients
         carried = np.concatenate([[1.0], c.follower * [f in c.fields for f in (0, 1)]])
         rules = [(slice(0, basis.pressures), *basis.pressure_rule, carried)]
@@ -91,7 +91,7 @@ def mixing(friction: float, carried: Array) -> Array:
 
 LOAD = 0  # int p dX
 MOMENT = 1  # int X p dX
-BALANCE = 2  # constant slope that two smooth edges ask for
+BALANCE = 2  # constant slope that two smooth edges require
 DISPLACEMENT = slice(3, 6)  # u_y, phi, psi
 INTENSITY = slice(6, 10)  # D_y trailing, leading; B_y trailing, leading
 EDGE_STRESS = slice(10, 12)  # sigma_xx just outside the trailing and the leading edge, if smooth
@@ -126,7 +126,7 @@ def functionals(assembly: Assembly) -> Array:
 
 
 def _displacements(assembly: Assembly) -> Array:
-    """Means of (u_y less that of the punch, phi, psi) / h; (half, 3, unknown)."""
+    """Means of (u_y minus that of the punch, phi, psi) / h; (half, 3, unknown)."""
     system, basis = assembly.system, assembly.basis
     c = system.coefficients
     logarithm = np.log(assembly.half_lengths / system.kernel.width)[:, None, None]
@@ -151,7 +151,7 @@ def _edge_stress(assembly: Assembly) -> Array:
 
 
 def pressure_series(samples: Array) -> Array:
-    """Chebyshev series in X without its negligible end, by values at ``SAMPLES``, (case, sample, ...)."""
+    """Chebyshev series in X, without negligible last terms, of samples at ``SAMPLES`` (case, sample, ...)."""
     series = dct(samples, type=1, axis=1) / (samples.shape[1] - 1)
     series[:, [0, -1]] /= 2
     size = np.max(np.abs(series), axis=(0, *range(2, series.ndim)))

@@ -1,8 +1,7 @@
 """Largest stresses of a film, of its base and on its lowest interface, from tables over half-lengths.
 
-Stresses on Chebyshev panels tied to the edges of the contact are linear in the causes at a half-length and smooth in
-its logarithm. The stresses of a case are a product; climbs on the interpolant start from the best nodes of several
-hills. Panels farther out are added until a bound rules out larger stresses beyond them.
+Stresses on a net of Chebyshev panels are linear in the causes and smooth in the logarithm of the half-length. Panels
+are added farther out until a bound excludes larger stresses beyond them.
 """
 
 from collections.abc import Callable, Sequence
@@ -30,9 +29,9 @@ PEAKS_OF = {
     "film": ("film_peak_von_mises", "film_peak_principal_tension"),
     "base": ("base_peak_von_mises", "base_peak_principal_tension"),
 }
-_NORMAL = Measure(PULL.linear[:1], PULL.root[:1])  # sigma_yy of (sigma_xy, sigma_yy), negative where it presses
+_NORMAL = Measure(PULL.linear[:1], PULL.root[:1])  # sigma_yy of (sigma_xy, sigma_yy), negative in compression
 _CHUNK = 256  # cases at a time: bounded memory
-_OUTER = 8  # pairs of panels added to a net at most: 4^8 of its length, where 1/r leaves next to nothing
+_OUTER = 8  # most pairs of panels added to a net: 4^8 times its length, where 1/r leaves next to nothing
 _NEGLIGIBLE = 1e-7  # of the largest stress on a net: the error of its interpolant
 _TAIL = (1.0, 0.5, 0.0)  # coordinates in the last panel from which the tail is continued
 
@@ -42,12 +41,12 @@ class PeakTable:
     """Stresses of a film over the half-lengths of a table of contacts."""
 
     table: Table
-    #: Pairs of panels that are added to a net at most.
+    #: Most pairs of panels that are added to a net.
     outer: ClassVar[int] = _OUTER
     _known: dict[tuple[str, int], Array] = field(default_factory=dict, init=False, repr=False)
 
     def net(self, region: str) -> Net:
-        """Net over a region for the half-lengths of the table."""
+        """Return the net over a region for the half-lengths of the table."""
         return net_of(self.table.system.kernel.stack, region, self.table.lower, self.table.upper)
 
     def _tabled(self, region: str, net: Net) -> Array:
@@ -57,6 +56,7 @@ class PeakTable:
         return self._known[region, net.outer]
 
     def _series(self, net: Net, names: tuple[str, ...]) -> Array:
+        """Chebyshev coefficients in log h of named stresses on a net; (node, stress, depth, x, cause)."""
         lengths = self.table.half_lengths
         X, Y = net.positions(lengths, net.line), -net.depths(lengths)
         return coefficients(Interior(self._tractions).fields(X, Y, names))
@@ -77,27 +77,24 @@ class PeakTable:
         return joined(parts, half_width.size)
 
     def curves(self, half_width: Array, causes: Array, region: str) -> dict[str, Array]:
-        """Fields of a region of ``solver.curves`` of contacts of the table, by name; (case, point), SI.
-
-        These are the stresses that :meth:`peaks` searches, at fewer points.
-        """
-        panels_of, net = REGIONS[region], self.net(region)
-        across, down = panels_of.lines()
+        """Stresses that :meth:`peaks` searches, at the points of ``solver.curves``, by name; (case, point), SI."""
+        curve, net = REGIONS[region], self.net(region)
+        across, down = curve.lines()
         values = interpolation(net.down, down) @ self.read(half_width, causes, self._tabled(region, net))
-        stresses = panels_of.panels.by_panel(values @ _along(net.across, across).T)
-        out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(panels_of.stresses)}
-        if "position" in panels_of.fields:
+        stresses = curve.panels.by_panel(values @ _along(net.across, across).T)
+        out = {f"{region}_{name}": stresses[:, k] for k, name in enumerate(curve.stresses)}
+        if "position" in curve.fields:
             out[f"{region}_position"] = net.positions(half_width, across)
         return out
 
     def read(self, half_width: Array, causes: Array, series: Array) -> Array:
-        """Values of contacts by a series (node, ..., cause) over the table's half-lengths; (case, ...)."""
+        """Evaluate a series (node, ..., cause) over the table's half-lengths for contacts; (case, ...)."""
         return self.table.interval.read(np.log(half_width), series, causes)
 
 
 @dataclass(frozen=True, eq=False)
 class Highest:
-    """Largest value of a measure of stresses, and its place; (case,) each."""
+    """Largest value of a measure of stresses, and where it occurs; (case,) each."""
 
     value: Array
     position: Array  # X = (x - c)/h
@@ -107,14 +104,10 @@ class Highest:
 def largest(
     stresses_on: Callable[[Net], Array], net: Net, half_lengths: Array, region: str, outer: int
 ) -> dict[str, Array]:
-    """Peaks in a region by name; (case,) each, positions X = (x - c)/h, SI.
-
-    Principal stresses and tension are 0 where none is tensile, and the position of the tension is then NaN. The
-    arguments are those of :func:`highest_stresses`.
-    """
+    """Peaks in a region by name, from arguments of :func:`highest_stresses`; (case,) each, SI, X = (x - c)/h."""
     measures = (SHEAR, _NORMAL) if region == "interface" else (VON_MISES, PRINCIPAL)
     first, second = highest_stresses(stresses_on, net, half_lengths, measures, outer)
-    tension = np.maximum(second.value, 0.0)
+    tension = np.maximum(second.value, 0.0)  # 0, at no position, where no stress is tensile
     if region != "interface":
         return dict(zip(PEAKS_OF[region], (first.value, tension), strict=True))
     values = (first.value, first.position, tension, np.where(second.value > 0, second.position, np.nan))
@@ -122,20 +115,20 @@ def largest(
 
 
 def of_whole_body(stresses: Array, net: Net, half_length: float) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` of stresses on the net of one half-length; depth over h, (case,) each."""
+    """Quantities of ``solver.names.PEAKS`` by stresses on the net of one half-length, depth over h; (case,) each."""
     shear, pull = (highest(stresses, net.across, measure) for measure in (VON_MISES, PRINCIPAL))
     depth, tension = net.depth_at(half_length, shear.down), np.maximum(pull.value, 0.0)
     return dict(zip(PEAKS, (shear.value, depth, tension), strict=True))
 
 
 def highest_stresses(
-    stresses_on: Callable[[Net], Array], net: Net, half_lengths: Array, measures: Sequence[Measure], outer: int
+    stresses_on: Callable[[Net], Array],  # Stresses on a net; (case, stress, depth, x)
+    net: Net,
+    half_lengths: Array,  # In the net's unit; (case,)
+    measures: Sequence[Measure],
+    outer: int,  # Most pairs of panels that are added
 ) -> list[Highest]:
-    """Largest values of measures on a net, continued outward until a bound rules out larger ones beyond.
-
-    ``stresses_on`` returns the stresses on a net, (case, stress, depth, x); half_lengths: (case,), in the net's unit;
-    at most ``outer`` pairs of panels are added.
-    """
+    """Largest values of measures on a net, which is continued outward until a bound excludes larger ones beyond."""
     searched = [(net, stresses_on(net))]
     negligible = _NEGLIGIBLE * np.max(np.abs(searched[0][1]), axis=(1, 2, 3))
     summits = []
@@ -157,11 +150,9 @@ def highest_stresses(
 
 
 def _bound_beyond(stresses: Array, net: Net, half_lengths: Array, measure: Measure) -> Array:
-    """Bound on a measure beyond the ends of a net; (case,).
-
-    Far from the contact X times a stress is a series in 1/X. A parabola through three distances of the last panel
-    continues it to infinity; the difference to a line through two of them is the margin.
-    """
+    """Bound on a measure beyond the ends of a net; (case,)."""
+    # Far from the contact X times a stress is a series in 1/X. A parabola through three distances of the last panel
+    # continues it to infinity; the difference to a line through two of them is the margin.
     bounds = []
     last = len(net.across) - 1
     for side, panel in ((-1.0, 0), (1.0, last)):
@@ -178,24 +169,21 @@ def _bound_beyond(stresses: Array, net: Net, half_lengths: Array, measure: Measu
 
 
 def _continued(values: Array, nearness: Array, share: float) -> Array:
-    """The polynomial through values (case, depth, node, stress) at a share of the first node; (case, depth, stress).
-
-    nearness: (case, node), where the values are.
-    """
-    place, weights = share * nearness[:, 0], np.ones_like(nearness)
+    """Interpolate values (case, depth, node, stress) at 1/X = nearness (case, node) to a share of the first node."""
+    target, weights = share * nearness[:, 0], np.ones_like(nearness)
     for i, j in np.ndindex(nearness.shape[1], nearness.shape[1]):
         if i != j:
-            weights[:, i] *= (place - nearness[:, j]) / (nearness[:, i] - nearness[:, j])
+            weights[:, i] *= (target - nearness[:, j]) / (nearness[:, i] - nearness[:, j])
     return np.asarray(np.einsum("cdns,cn->cds", values, weights))
 
 
-def _along(counts: tuple[int, ...], places: Array) -> Array:
-    """Interpolation matrix from the points of panels across, each 2 wide, to places; (place, point)."""
-    matrix = np.zeros((places.size, sum(counts)))
-    panel = np.clip(np.floor((places + len(counts)) / 2).astype(int), 0, len(counts) - 1)
+def _along(counts: tuple[int, ...], t: Array) -> Array:
+    """Interpolation matrix from the points of panels across, each 2 wide, to coordinates t (t,); (t, point)."""
+    matrix = np.zeros((t.size, sum(counts)))
+    panel = np.clip(np.floor((t + len(counts)) / 2).astype(int), 0, len(counts) - 1)
     ends = np.cumsum((0, *counts))
     for number, count in enumerate(counts):
         rows = np.flatnonzero(panel == number)
-        local = places[rows] + len(counts) - 1 - 2 * number
+        local = t[rows] + len(counts) - 1 - 2 * number
         matrix[rows, ends[number] : ends[number + 1]] = interpolation(count, local)
     return matrix

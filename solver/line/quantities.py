@@ -1,4 +1,4 @@
-"""Every quantity of films by its name: those of a half-plane that a contact has, and those that only a film has."""
+"""Quantities of films by name, both those that half-planes have and those of films alone."""
 
 from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
@@ -23,15 +23,12 @@ _SHORT_STEPS = 20
 _PRESSURES = 4096  # cases at a time: bounded memory
 _CHARGE_CLOSE = 1e-9  # of a charge: the next step is of its square
 
-#: Cases, a table of their stresses, and their half-lengths and causes in it.
+#: Cases, the table of their stresses, and their half-lengths and causes in it.
 PeakTables = Iterator[tuple[Indices, PeakTable, Array, Array]]
 
 
 def quantities(films: Films) -> dict[str, Array]:
-    """Quantities of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that the cases have; (case,) each.
-
-    Left out are the response of a field that the punch does not conduct, and what is infinite at a corner.
-    """
+    """Quantities of ``solver.names.QUANTITIES`` and ``FILM_QUANTITIES`` that the cases have; (case,) each."""
     films.require_one_length()
     h, gather = films.thickness, films.gather
     out = edges(h * gather(lambda c: c.half_width), gather(lambda c: c.centre)) | {
@@ -55,7 +52,7 @@ def quantities(films: Films) -> dict[str, Array]:
 
 
 def edges(half: Array, centre: Array) -> dict[str, Array]:
-    """Edges of contacts of half-length h [m] and c/h: the trailing one is x = a, the leading one x = -b."""
+    """Trailing edge x = a, leading edge x = -b and offset of contacts of half-length [m] and c/h; (case,) each."""
     return {
         "contact_trailing": half * (1 + centre),
         "contact_leading": half * (1 - centre),
@@ -74,7 +71,7 @@ def _peak_pressure(contact: FilmContact) -> Array:
 
 
 def _responses(films: Films, field: int) -> dict[str, Array]:
-    """Response of a field that the punch conducts."""
+    """Quantities of ``solver.names.RESPONSES`` of a field that the punch conducts; (case,) each."""
     j = 1 + field
     port = Compliance.of(films.gather(lambda c: c.tangents), field)
     uncharged = films.with_charges(np.zeros_like(films.charges)) if np.any(films.charges) else films
@@ -90,7 +87,7 @@ def _responses(films: Films, field: int) -> dict[str, Array]:
 
 
 def _short_circuit(uncharged: Films, field: int) -> Array:
-    """Charge per load that makes the potential 0, the other charge 0 [C/N, Wb/N]."""
+    """Charge per load [C/N or Wb/N] at zero potential, without the other charge; (case,)."""
     j, state = 1 + field, uncharged
     for _ in range(_SHORT_STEPS):
         potential = state.thickness * state.gather(lambda c: c.response[:, j])
@@ -104,40 +101,37 @@ def _short_circuit(uncharged: Films, field: int) -> Array:
 
 
 def peaks(films: Films, requested: Set[str], tables: PeakTables | None = None) -> dict[str, Array]:
-    """Quantities of ``solver.names.FILM_PEAKS`` that are asked for and the cases have; (case,) each.
-
-    A film of several layers has those of its lowest interface and of its base.
-    """
+    """Requested quantities of ``solver.names.FILM_PEAKS`` in the regions that the film has; (case,) each."""
     regions = [region for region in regions_of(films.kind.stack) if requested & set(PEAKS_OF[region])]
     if not regions:
         return {}
     parts = [
-        (places, {name: peak for region in regions for name, peak in table.peaks(half, causes, region).items()})
-        for places, table, half, causes in tables or _peak_tables(films)
+        (cases, {name: peak for region in regions for name, peak in table.peaks(half, causes, region).items()})
+        for cases, table, half, causes in tables or _peak_tables(films)
     ]
     return {name: values for name, values in joined(parts, films.load.size).items() if name in requested}
 
 
 def curves(films: Films, regions: Sequence[str], tables: PeakTables | None = None) -> dict[str, Array]:
-    """Sizes of the contacts, and the curves of regions that the cases have, see ``solver.curves``; (case, ...) each."""
+    """Sizes of the contacts, and the curves (``solver.curves``) of regions that the film has; (case, ...) each."""
     films.require_one_length()
     parts = []
-    for places, table, half_width, causes in tables or _peak_tables(films):
-        load, thickness = films.load[places], films.thickness[places]
+    for cases, table, half_width, causes in tables or _peak_tables(films):
+        load, thickness = films.load[cases], films.thickness[cases]
         half_length = thickness * half_width
         out = {"mean_pressure": load / (2 * half_length), "half_length": half_length}
         out["load_over_thickness"] = load / thickness
         for region in regions:
             if region in regions_of(films.kind.stack):
                 out |= table.curves(half_width, causes, region)
-        parts.append((places, out))
+        parts.append((cases, out))
     return joined(parts, films.load.size)
 
 
 def _peak_tables(films: Films) -> PeakTables:
-    """Cases with the table of stresses of their window."""
-    for places, number, contact in films.parts:
+    """Yield the cases of each window with its table of stresses."""
+    for cases, number, contact in films.parts:
         require_depth(contact.half_width / films.kind.stack.thickness, "half-length")
         table = peak_window(films.kind, number)
         contact = replace(contact, table=table.table)
-        yield places, table, contact.half_width, contact.causes.values
+        yield cases, table, contact.half_width, contact.causes.values

@@ -1,8 +1,6 @@
-"""Films of any thickness from tables of films of unit thickness: by dimension only P R/h^2, T/P and J/P matter.
+"""Films of any thickness, read from tables of films of unit thickness over windows of half-length over thickness.
 
-Half-lengths over the thickness fall into windows of half a decade. A window has one table for every radius, load,
-charge and thickness, and a case is answered by the window that holds its half-length: its answer does not depend on
-the cases that are solved beside it.
+The window of a case depends on that case alone, so that its result does not depend on the others.
 """
 
 from collections.abc import Callable
@@ -25,7 +23,7 @@ from solver.line.windows import FIRST, LAST, Kind, number_of, searched, window
 from solver.stack.electroded import met
 
 _BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
-_APART = 1.05  # from the window of a contact, within which they say nothing
+_MARGIN = 1.05  # ratio by which these lengths lie outside the contact's window, whose rough neighbours cannot tell
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,86 +32,85 @@ class Films:
 
     kind: Kind
     profile: Profile
-    load: Array
-    charges: Array
-    datum: Array
-    thickness: Array
-    punch_datum: Array | None = None
+    load: Array  # P [N/m]; (case,)
+    charges: Array  # T [C/m] and J [Wb/m]; (case, 2)
+    datum: Array  # L [m]; (case,)
+    thickness: Array  # Of the top layer [m]; (case,)
+    punch_datum: Array | None = None  # Reference length of an elastic punch [m]; (case,)
 
     def with_charges(self, charges: Array) -> Self:
-        """The same punches, loads and films with other charges."""
+        """Return these contacts with other charges (case, 2) [C/m, Wb/m]."""
         return replace(self, charges=charges)
 
-    def part(self, places: slice | Indices) -> Self:
-        """Some of the cases."""
-        chosen = selected(self, places, "load", "charges", "datum", "thickness", "punch_datum")
-        return replace(chosen, profile=self.profile.part(places, self.load.shape))
+    def part(self, cases: slice | Indices) -> Self:
+        """Return the contacts of the selected cases."""
+        films = selected(self, cases, "load", "charges", "datum", "thickness", "punch_datum")
+        return replace(films, profile=self.profile.part(cases, self.load.shape))
 
     @cached_property
     def parts(self) -> list[tuple[Indices, int, FilmContact]]:
-        """Cases, window and contacts on films of unit thickness."""
-        pieces = []
+        """Cases, window and contacts on films of unit thickness, for each window."""
+        parts = []
         for number in np.unique(self._windows).tolist():
-            places = np.flatnonzero(self._windows == number)
-            pieces.append((places, number, self._contact(places, window(self.kind, number))))
-        return pieces
+            cases = np.flatnonzero(self._windows == number)
+            parts.append((cases, number, self._contact(cases, window(self.kind, number))))
+        return parts
 
     def gather(self, output: Callable[[FilmContact], Array]) -> Array:
-        """An output of the contacts on films of unit thickness; (case, ...)."""
-        parts = [(places, {"output": output(contact)}) for places, _, contact in self.parts]
+        """Return an output of the contacts on films of unit thickness; (case, ...)."""
+        parts = [(cases, {"output": output(contact)}) for cases, _, contact in self.parts]
         return joined(parts, self.load.size)["output"]
 
-    def _contact(self, places: Indices, table: Table) -> FilmContact:
-        """Contacts of some cases on films of unit thickness: lengths, loads and charges over the thickness."""
-        h = self.thickness[places]
-
-        unit = self.profile.part(places, self.load.shape).in_units_of(h)
-        charges = self.charges[places] / h[:, None]
-        punch_datum = None if self.punch_datum is None else self.punch_datum[places] / h
-        return FilmContact(table, unit, self.load[places] / h, charges, self.datum[places] / h, punch_datum)
+    def _contact(self, cases: Indices, table: Table) -> FilmContact:
+        """Return contacts on films of unit thickness: lengths, loads and charges over the thickness."""
+        h = self.thickness[cases]
+        profile = self.profile.part(cases, self.load.shape).in_units_of(h)
+        charges = self.charges[cases] / h[:, None]
+        punch_datum = None if self.punch_datum is None else self.punch_datum[cases] / h
+        return FilmContact(table, profile, self.load[cases] / h, charges, self.datum[cases] / h, punch_datum)
 
     # -- windows -------------------------------------------------------------------------------------------------------
     @cached_property
     def _windows(self) -> Indices:
-        """Window of every case; (case,)."""
+        """Number of the window of every case; (case,)."""
         if self.profile.width is not None:
             return number_of(np.broadcast_to(self.profile.width / (2 * self.thickness), self.load.shape))
         return searched(
-            self._guess, lambda places, number: self._beside(places, window(self.kind, number)), self.thickness,
+            self._guess, lambda cases, number: self._direction(cases, window(self.kind, number)), self.thickness,
             "half-length", "load",
         )  # fmt: skip
 
-    def _beside(self, places: Indices, table: Table) -> Indices:
-        """-1 or 1 where the half-length is below or above a table's, 0 where it is within."""
-        enough = self._enough(places, table)
+    def _direction(self, cases: Indices, table: Table) -> Indices:
+        """Return -1, 0 or 1 where the half-length is below, in or above a table; (case,)."""
+        enough = self._enough(cases, table)
         require_one(enough)
         return np.where(enough[:, 0], -1, np.where(enough[:, -1], 0, 1))
 
-    def _enough(self, places: Indices, table: Table) -> BoolArray:
-        """True for half-lengths of a table that carry the load or more; (case, node)."""
-        contact = self._contact(places, table)
+    def _enough(self, cases: Indices, table: Table) -> BoolArray:
+        """Return True for half-lengths of a table that carry at least the load; (case, node)."""
+        contact = self._contact(cases, table)
         load = load_at_nodes(table, Loading.of(table, contact.profile, contact.load, contact.charges))
         return np.asarray(load >= contact.load[:, None] * contact.scale[1])
 
     def require_one_length(self) -> None:
-        """Refuse contacts of other lengths that carry the load: charges can make some, up to a decade shorter."""
+        """Refuse loads that contacts of other lengths carry, too; charges allow them up to a decade shorter."""
         charged = np.any(self.charges != 0, -1)
         if self.profile.width is not None or not np.any(charged):
             return
         for number in np.unique(self._windows[charged]).tolist():
-            places = np.flatnonzero(charged & (self._windows == number))
+            cases = np.flatnonzero(charged & (self._windows == number))
             exact = window(self.kind, number)
-            lengths, enough = [exact.half_lengths], [self._enough(places, exact)]
+            lengths, enough = [exact.half_lengths], [self._enough(cases, exact)]
             for other in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
                 rough = window(self.kind, other, rough=True)
-                elsewhere = (rough.half_lengths * _APART < exact.lower) | (rough.half_lengths > exact.upper * _APART)
+                elsewhere = (rough.half_lengths * _MARGIN < exact.lower) | (rough.half_lengths > exact.upper * _MARGIN)
                 lengths.append(rough.half_lengths[elsewhere])
-                enough.append(self._enough(places, rough)[:, elsewhere])
+                enough.append(self._enough(cases, rough)[:, elsewhere])
             require_one(np.concatenate(enough, -1)[:, np.argsort(np.concatenate(lengths))])
 
     @property
     def _guess(self) -> Array:
-        """Half-length over thickness that the closed form of the film's half-plane has; less where it is thin."""
+        """Half-length over thickness by the top's half-plane, reduced for thin films on a rigid base; (case,)."""
         kind = self.kind
         top = met(kind.stack)
         sliding = Sliding(top, np.array(kind.friction), np.array(kind.conducts), kind.elastic)

@@ -1,10 +1,8 @@
-"""Nets of Chebyshev panels tied to the contact, over which the stresses of films are tabulated (film surrogates, 2).
+"""Nets of Chebyshev panels tied to the contact, on which the stresses of films are tabulated.
 
-Five panels lie side by side: under the contact, at its edges, and far from it, where points are even in the logarithm
-of the distance from the edge. Beyond them a base feels a line force, whose stresses fall as 1/r. They can still rise
-where a part that falls faster cancels them, so that :meth:`Net.outward` continues the net until the search has a bound
-on the rest (:mod:`solver.line.peaks`). Down, points are even in the logarithm of the depth. The number of points keeps
-the worst error of a panel's interpolant below 1e-7.
+Five panels lie side by side: under the contact, at its edges, and far from it. Points of the far panels are even in the
+logarithm of the distance from the edge, points down in that of the depth. Beyond the five, stresses fall like those of
+a line force, as 1/r, but can rise where a part that falls faster cancels them: :meth:`Net.outward` continues the net.
 """
 
 from dataclasses import dataclass, replace
@@ -25,13 +23,13 @@ ENDS = (-5.0, -3.0, -1.0, 1.0, 3.0, 5.0)
 DEPTH = 0.1  # of the half-length: the least depth of the film's peaks
 
 _BELOW = 1 + 1e-9  # of the thickness: the top of the base
-_BESIDE = 0.4  # width of the film's panels beside the edges, of the half-length
-_NEAR = 2.0  # the same on the interface and in the base, of the thickness
-_TAIL = 8.0  # how much farther the interface is searched: where its tension dies out its sign still changes
+_FILM_EDGE = 0.4  # width of the film's panels at the edges, of the half-length
+_BASE_EDGE = 2.0  # width of those on the interface and in the base, of the thickness
+_TAIL = 8.0  # factor on the distance to which the interface is searched: its decaying tension still changes sign there
 _FARTHEST = 8.0  # half-lengths and thicknesses, or lengths over which a base bends a film that is stiffer
 _OUTWARD = 4.0  # ratio of the distances at which a panel outside the five ends and starts
 _ERROR = 1e-7  # of a panel's interpolant at its worst point
-_ANGLE = 1.1  # the largest that is reckoned with
+_ANGLE = 1.1  # largest angle of the singularities that is used
 _PANEL_FEWEST, _PANEL_MOST = 12, 128  # points of a panel
 
 
@@ -39,27 +37,27 @@ _PANEL_FEWEST, _PANEL_MOST = 12, 128  # points of a panel
 class Net:
     """Points over a region of films of one stack, for half-lengths from ``least`` to ``most`` [m]."""
 
-    # Width of the panels beside the edges: these shares of h and of the thickness together
+    # Width of the panels at the edges: the sum of these shares of h and of the thickness
     half_share: float
     thickness_share: float
-    # Distance from the edges at which the far panels end: this share of h and this length [m]
+    # Distance from the edges at which the far panels end: the sum of this share of h and this length [m]
     far_share: float
     far_length: float
-    # Where fields are singular about an edge: the distance from a level line over its depth, and the angle
+    # Singularities of the fields about an edge: distance from a horizontal line over its depth, and angle
     rate: float
     angle: float
     # Least and largest depth, as shares of (h, thickness of all layers)
     top: tuple[float, float]
     bottom: tuple[float, float]
     thickness: float  # H: thickness of all layers [m]
-    # Half-lengths [m]
+    # Range of half-lengths [m]
     least: float
     most: float
     outer: int = 0  # Number of the pair of panels outside the five; 0: the five
 
     @property
     def across(self) -> tuple[int, ...]:
-        """Number of points of every panel across."""
+        """Number of points of each panel across."""
         if self.outer:
             return (self._even(_OUTWARD),) * 2
         h = np.array([self.least, self.most])
@@ -69,14 +67,14 @@ class Net:
 
     @property
     def down(self) -> int:
-        """Number of points down; 1 of an interface."""
+        """Number of points down; 1 for an interface."""
         if self.top == self.bottom:
             return 1
         h = np.array([self.least, self.most])
         return self._even(np.max(_at(self.bottom, h, self.thickness) / _at(self.top, h, self.thickness)))
 
     def outward(self) -> Self:
-        """The pair of panels that continues this net to distances four times as large."""
+        """Return the pair of panels that continues this net to distances four times as large."""
         return replace(self, outer=self.outer + 1)
 
     def _near(self, h: Array) -> Array:
@@ -88,15 +86,15 @@ class Net:
         return self.far_share * h + self.far_length
 
     def _even(self, ratio: float) -> int:
-        """Points of a panel between lengths of a ratio, even in the logarithm: singularities lie at an angle."""
+        """Number of points, even in the logarithm, of a panel whose ends have this ratio; singular at the angle."""
         return _points(np.arcsinh(2 * self.angle / np.log(ratio)))
 
     def _linear(self, width: float) -> int:
-        """Points of a panel that ends above an edge, its width over the depth."""
+        """Number of points of a panel that ends above an edge, by its width over the depth."""
         return _points(np.arccosh(1 + 2j * self.rate / width).real)
 
     def positions(self, half_lengths: Array, t: Array) -> Array:
-        """X = (x - c)/h for h (case,) [m] at coordinates t along the surface, (point,) or by case; (case, point)."""
+        """X = (x - c)/h for h (case,) [m] at coordinates t across, (point,) or (case, point); (case, point)."""
         h = half_lengths[:, None]
         near, far, size = self._near(h), self._far(h), np.abs(t)
         linear, even = (np.clip((size - start) / 2, 0.0, 1.0) for start in (1, 3))
@@ -104,51 +102,51 @@ class Net:
         return np.asarray(np.clip(t, -1.0, 1.0) + np.sign(t) * distance / h)
 
     def coordinates(self, panel: Indices, local: Array) -> Array:
-        """Coordinates t of points in panels, numbered from the left, at local (point,) in -1 to 1; (point,)."""
+        """Coordinates t of points at ``local`` (-1 to 1) in panels numbered from the left; (point,)."""
         if self.outer:
             return np.where(panel == 0, -1.0, 1.0) * (4 + 2 * self.outer) + local
         return 2.0 * panel - 4 + local
 
     def depths(self, half_lengths: Array) -> Array:
-        """-y/h of the points down; (case, point)."""
+        """Depths -y/h of the points down for half-lengths (case,) [m]; (case, point)."""
         return np.array([self.depth_at(h, gauss_points(self.down)) for h in half_lengths.tolist()])
 
     def depth_at(self, h: float, t: Array) -> Array:
-        """-y/h at coordinates down; as t."""
+        """Depths -y/h at coordinates down for a half-length [m], of the shape of ``t``."""
         low, high = (np.log(_at(share, np.array(h), self.thickness)) for share in (self.top, self.bottom))
         return np.asarray(np.exp((low + high) / 2 + (high - low) / 2 * t) / h)
 
     @property
     def line(self) -> Array:
-        """Coordinates t of the points across."""
+        """Coordinates t of the points across; (point,)."""
         if self.outer:
             start, end = 3.0 + 2 * self.outer, 5.0 + 2 * self.outer
             return np.concatenate([mapped_points(self.across[0], *ends) for ends in ((-end, -start), (start, end))])
         return line(self.across, ENDS)
 
 
-#: Of every region the width of the panels beside the edges and the least and largest depth, as shares of the
-#: half-length and of the thickness, and how much farther it is searched.
+#: Width of the panels at the edges, least and largest depth, as shares of (half-length, thickness), and factor on the
+#: distance searched, by region.
 _SHARES = {
-    "interface": ((0.0, _NEAR), (0.0, 1.0), (0.0, 1.0), _TAIL),
-    "film": ((_BESIDE, 0.0), (DEPTH, 0.0), (0.0, 1.0), 1.0),
-    "base": ((0.0, _NEAR), (0.0, _BELOW), (2.0, 2.0), 1.0),
+    "interface": ((0.0, _BASE_EDGE), (0.0, 1.0), (0.0, 1.0), _TAIL),
+    "film": ((_FILM_EDGE, 0.0), (DEPTH, 0.0), (0.0, 1.0), 1.0),
+    "base": ((0.0, _BASE_EDGE), (0.0, _BELOW), (2.0, 2.0), 1.0),
 }
 
 
 def regions(stack: Stack) -> list[str]:
-    """Regions whose largest stresses are searched: panels through several layers would meet their jumps."""
+    """Regions whose largest stresses are searched; panels through several layers would contain jumps."""
     return ["interface"] + ["film"] * (len(stack.layers) == 1) + ["base"] * (not stack.rigid)
 
 
 def require_depth(ratio: Array, size: str) -> None:
-    """Refuse contacts so wide over the thickness that no depth of the film lies below a tenth of their size."""
+    """Refuse contacts larger than ten thicknesses: no depth of the film exceeds a tenth of their size."""
     if (widest := float(np.max(ratio, initial=0.0))) > 0.99 / DEPTH:
         raise RangeError(f"contact: {size} over thickness {widest:g} is too wide for peaks; must be < {1 / DEPTH:g}")
 
 
 def net_of(stack: Stack, region: str, least: float, most: float) -> Net:
-    """Net over a region, for half-lengths from ``least`` to ``most`` [m]."""
+    """Return the net over a region for half-lengths from ``least`` to ``most`` [m]."""
     near, top, bottom, tail = _SHARES[region]
     stiffness = max(float(layer.material.c11) for layer in stack.layers)
     base = stiffness if isinstance(stack.base, str) else float(stack.base.c11)
@@ -158,22 +156,23 @@ def net_of(stack: Stack, region: str, least: float, most: float) -> Net:
 
 
 def of_whole(stack: Stack, half: float, bottom: float, farthest: float) -> Net:
-    """Points of one body, layers alike, below depth 0.1 h."""
+    """Return the net below depth 0.1 h in a body whose layers and base are one material, for a half-length [m]."""
     ends = (DEPTH, 0.0), (bottom, 0.0)
-    return Net(_BESIDE, 0.0, farthest, 0.0, *singular(stack), *ends, stack.thickness, half, half)
+    return Net(_FILM_EDGE, 0.0, farthest, 0.0, *singular(stack), *ends, stack.thickness, half, half)
 
 
 def singular(stack: Stack) -> tuple[float, float]:
-    """Least rate and angle of the waves of all layers and the base, see :class:`Net`."""
+    """Least rate and angle, see :class:`Net`, of the waves of all layers and the base."""
     media = [*stack.media, *filter(None, [stack.base_medium])]
     rates = np.concatenate([np.linalg.eigvals(medium.decay) for medium in media])
     return float(np.min(rates.real)), min(float(np.pi / 2 - np.max(np.abs(np.angle(rates)))), _ANGLE)
 
 
 def _points(decay: float) -> int:
-    """Points from the decay of Chebyshev coefficients."""
+    """Number of points of a panel, from the decay rate of its Chebyshev coefficients."""
     return int(np.clip(np.ceil(-np.log(_ERROR) / decay), _PANEL_FEWEST, _PANEL_MOST))
 
 
 def _at(share: tuple[float, float], h: Array, thickness: float) -> Array:
+    """Depth [m] from its shares of the half-length and of the thickness, of the shape of h."""
     return share[0] * h + share[1] * thickness

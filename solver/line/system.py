@@ -1,11 +1,7 @@
-"""The contact as a linear system at given half-lengths (films, section 4).
+"""The contact as a linear system at given half-lengths, in the units of the stack (films, section 4).
 
-At one half-length everything is linear in the slope of the punch, the charges and, between corners, the load. The
-unknowns are the terms of the pressure, those of the conducted fields and, between smooth edges, the constant slope
-that balances them: the centre of the contact is one more linear unknown. The kernels are sampled at differences of
-Gauss nodes, whose rules are exact for the smooth parts to the order of the basis.
-
-Units are those of the stack; the half-length is taken out: ``P = h load``, ``T = h charge``.
+Unknowns are the terms of the pressure, those of the conducted fields and, between smooth edges, a constant slope. The
+half-length is divided out: ``P = h load``, ``T = h charge``.
 """
 
 from dataclasses import dataclass
@@ -18,7 +14,7 @@ from solver.halfplane.sliding import Sliding
 from solver.line.basis import Basis
 from solver.line.kernel import Kernel
 
-#: Positions at which the pressure over its weight is sampled, edges included: tension shows there.
+#: Positions X, edges included, at which the pressure over its weight is sampled to find tension.
 SAMPLES: Array = np.cos(np.pi * np.arange(193) / 192)
 
 _SAMPLES = 13.5  # half the logarithm of the error of the rules that integrate the kernels
@@ -27,7 +23,7 @@ _NO_COUPLING = 1e-6  # of lam: a friction coupling kap below this is replaced by
 
 @dataclass(frozen=True, eq=False)
 class Coefficients:
-    """Sliding of the top material in the units of a stack, for one friction and conduction."""
+    """Coefficients of sliding on the top material for one friction and conduction, in the units of the stack."""
 
     friction: float  # eta
     fields: tuple[int, ...]  # Conducted fields among (0 electric, 1 magnetic)
@@ -75,7 +71,7 @@ class Coefficients:
 
     @property
     def follower(self) -> Array:
-        """D1 = (lam / kap) d - r: what the conducted fields take of the pressure; (2,)."""
+        """D1 = (lam / kap) d - r, the part of (D_y, B_y) proportional to the pressure (F4.1); (2,)."""
         return np.asarray(self.lam / self.kap * self.friction_screening - self.screening)
 
 
@@ -85,28 +81,28 @@ class System:
 
     kernel: Kernel
     sliding: Sliding
-    smooth: tuple[bool, bool]
-    degree: int
-    accuracy: float = 1.0
+    smooth: tuple[bool, bool]  # Whether the trailing and the leading edge are smooth
+    degree: int  # Largest power of X in the punch's slope
+    accuracy: float = 1.0  # Factor on the number of terms
 
     @cached_property
     def coefficients(self) -> Coefficients:
-        """The sliding in the units of the stack."""
+        """Coefficients of the sliding in the units of the stack."""
         return Coefficients.of(self.sliding, self.kernel.stack.scale)
 
     @property
     def fields(self) -> tuple[int, ...]:
-        """Conducted fields."""
+        """Conducted fields among (0 electric, 1 magnetic)."""
         return self.coefficients.fields
 
     @property
     def powers(self) -> range:
-        """Powers of X that are given; between smooth edges the constant is found."""
+        """Powers of X among the right sides; between smooth edges the constant is an unknown instead."""
         return range(1 if all(self.smooth) else 0, self.degree + 1)
 
     @property
     def causes(self) -> int:
-        """Number of right sides: powers of the slope, T, J and, between corners, P."""
+        """Number of right sides: powers of X in the slope, T, J and, between corners, P."""
         return len(self.powers) + 2 + (not any(self.smooth))
 
     def basis(self, half_length: float) -> Basis:
@@ -116,28 +112,21 @@ class System:
         return Basis(self.coefficients.delta, self.smooth, terms, samples)
 
     def terms(self, half_length: float) -> int:
-        """M for 1e-8 or better, by the ratio of half-length and reach of the kernel; even."""
+        """Even number M of terms for errors of 1e-8 or less at a half-length [m] (films, section 4)."""
         stack = self.kernel.stack
         ratio = half_length / (stack.top.thickness * min(float(stack.media[0].slowest), 1.0))
         count = self.accuracy * 0.8 * (16 + 7 * np.sqrt(ratio) + 0.2 * ratio) + self.degree
         return max(2 * int(np.ceil(count / 2)), 8)
 
-    def solve(
-        self,
-        basis: Basis,
-        gradients: Array,
-        sources: Array | None = None,
-    ) -> Array:
-        """Unknowns for every right side; (half, unknown, cause and source)."""
+    def solve(self, basis: Basis, gradients: Array, sources: Array | None = None) -> Array:
+        """Unknowns for every right side, from kernel gradients (half, 3, M, unknown); (half, unknown, right side)."""
         matrix = self._matrix(basis, gradients)
         right = np.zeros((matrix.shape[-1], self.causes))
         slopes = basis.nodes[:, None] ** np.array(self.powers)
         projected = basis.projection @ slopes
         start = self.starts(basis)
         count = len(self.powers)
-        first = max(basis.order, 0)
-        pressures = slice(max(-basis.order, 0), basis.pressures)
-        right[pressures, :count] = projected[first:]
+        right[max(-basis.order, 0) : basis.pressures, :count] = projected[max(basis.order, 0) :]
         if basis.order == 1:
             right[-1, :count] = projected[0]
         if basis.order == -1:
@@ -147,25 +136,25 @@ class System:
             rows = slice(start[f] + 1, start[f] + 1 + basis.terms)
             right[rows, :count] = -c.friction_screening[f] / c.kap * (basis.charge_projection @ slopes)
             right[start[f], count + f] = -1.0
-        whole = np.broadcast_to(right, (*matrix.shape[:-1], self.causes))
+        right_sides = np.broadcast_to(right, (*matrix.shape[:-1], self.causes))
         if sources is not None:
-            whole = np.concatenate([whole, self._answering(basis, sources)], -1)
-        return np.asarray(np.linalg.solve(matrix, whole), dtype=np.float64)
+            right_sides = np.concatenate([right_sides, self._source_sides(basis, sources)], -1)
+        return np.asarray(np.linalg.solve(matrix, right_sides), dtype=np.float64)
 
-    def _answering(self, basis: Basis, sources: Array) -> Array:
-        """Right sides that answer given slopes and gradients of the conducted fields; (half, unknown, source)."""
+    def _source_sides(self, basis: Basis, sources: Array) -> Array:
+        """Right sides that cancel given gradients of (u_y, phi, psi), (half, 3, M, source); (half, unknown, source)."""
         pressed, charged = self.eliminated(sources)
         projected, series = basis.projection @ pressed, basis.charge_projection @ charged
         right = np.zeros((sources.shape[0], self.unknowns(basis), sources.shape[-1]))
         right[:, max(-basis.order, 0) : basis.pressures] = -projected[:, max(basis.order, 0) :]
         if basis.order == 1:
             right[:, -1] = -projected[:, 0]
-        for place, start in enumerate(self.starts(basis).values()):
-            right[:, start + 1 : start + 1 + basis.terms] = -series[:, place]
+        for j, start in enumerate(self.starts(basis).values()):
+            right[:, start + 1 : start + 1 + basis.terms] = -series[:, j]
         return right
 
     def starts(self, basis: Basis) -> dict[int, int]:
-        """First unknown of each conducted field."""
+        """Index of the first unknown of each conducted field."""
         return {f: basis.pressures + j * (basis.terms + 1) for j, f in enumerate(self.fields)}
 
     def unknowns(self, basis: Basis) -> int:
@@ -173,20 +162,21 @@ class System:
         return basis.pressures + len(self.fields) * (basis.terms + 1) + (basis.order == 1)
 
     def split(self, basis: Basis, unknowns: Array) -> tuple[Array, Array]:
-        """Terms s, (..., pressures), and c, (..., 2, M + 1), 0 where not conducted, of unknowns (..., unknown)."""
+        """Return s (..., pressures) and c (..., 2, M + 1), 0 where not conducted, of unknowns (..., unknown)."""
         charges = np.zeros((*unknowns.shape[:-1], 2, basis.terms + 1))
         for f, start in self.starts(basis).items():
             charges[..., f, :] = unknowns[..., start : start + basis.terms + 1]
         return unknowns[..., : basis.pressures], charges
 
     def eliminated(self, gradients: Array) -> tuple[Array, Array]:
-        """Minus the right sides of the equations for the pressure and, (half, field, ...), for the fields."""
+        """K_hat (half, M, c) and M^-1 K_q - (d / kap) K_hat (half, field, M, c) of gradients (half, 3, M, c) (F4.3)."""
         c, flux = self.coefficients, gradients[:, [1 + f for f in self.fields]]
         pressed = gradients[:, 0] - np.einsum("f,hfmz->hmz", c.screening[list(self.fields)], flux)
         ratio = c.friction_screening[list(self.fields), None, None] / c.kap
         return pressed, np.einsum("fg,hgmz->hfmz", c.inverse, flux) - ratio * pressed[:, None]
 
     def _matrix(self, basis: Basis, gradients: Array) -> Array:
+        """Matrix of the system F4.3; (half, unknown, unknown)."""
         c, start, h = self.coefficients, self.starts(basis), gradients.shape[0]
         pressed, charged = self.eliminated(gradients)
         projected, series = basis.projection @ pressed, basis.charge_projection @ charged

@@ -1,8 +1,4 @@
-"""Outputs of every cause over contact half-lengths: Chebyshev in log h (films, section 4).
-
-One table serves every punch of a kind, load and charge of a stack and friction: a case costs microseconds. By
-dimension only P R/h1^2, T/P and J/P matter, so that no more than this one axis is needed.
-"""
+"""Outputs of every cause tabulated over the half-length, by Chebyshev series in log h (films, section 4)."""
 
 import warnings
 from dataclasses import dataclass, replace
@@ -24,19 +20,18 @@ from solver.line.system import System
 from solver.stack.electroded import met
 from solver.stack.layers import Stack
 
-#: Half-lengths over the thickness of the top layer that a table may hold.
+#: Range of half-lengths over the thickness of the top layer.
 LEAST, MOST = 1e-4, 60.0
 
-_NO_FILM = 0.1  # m: a thickness from here on has lost its unit
 _PER_DECADE = 15.0  # nodes: 1e-8 between them, up to 30 thicknesses
 BATCH = 50_000_000  # bytes of kernels held at once
-_SECONDS = 1.8e-6  # a node, sample and term, on one core of 2020
-_LONG = 15.0  # s
+_SECONDS = 1.8e-6  # per node, sample and term, on one core of 2020
+_LONG = 15.0  # s, from which a warning announces the time
 _WIDE = 3.0  # half-lengths over the thickness from which the number of terms is checked
 _LAST = 5e-7  # of the largest coefficient of the pressure: bound on the last ones times h/h1, for 1e-8 of all tractions
 _LAST_TERMS = 6
-_REFINED, _REFINEMENTS = 1.25, 6  # factor on the number of terms, and how often it is applied at most
-_ALIKE = 0.75  # of the number of terms: half-lengths that share one basis
+_REFINED, _REFINEMENTS = 1.25, 6  # factor on the number of terms, and the most times that it is applied
+_LEAST_SHARE = 0.75  # of a basis's number of terms: half-lengths that need fewer have their own basis
 
 
 class SlowWarning(UserWarning):
@@ -48,14 +43,7 @@ class RangeError(ContactError):
 
 
 class LengthsError(ContactError):
-    """A load that contacts of more than one size carry, or none of one size: charges too large for it."""
-
-
-def told(thickness: Array) -> str:
-    """Thicknesses in the words of a message: one that has lost its unit shows."""
-    least, most = float(np.min(thickness)), float(np.max(thickness))
-    size = f"{least:g}{'' if least == most else f' to {most:g}'}"
-    return f"thickness {size} m" + (f"; did you mean {size} um?" if least >= _NO_FILM else "")
+    """A load that contacts of several sizes carry, or of no size: charges too large for it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,18 +51,18 @@ class Table:
     """Outputs over a range of half-lengths."""
 
     system: System
-    lower: float
+    lower: float  # Range of half-lengths [m]
     upper: float
-    nodes: int
+    nodes: int  # Number of Chebyshev points
 
     @cached_property
     def interval(self) -> Interval:
-        """Range of log h, with its Chebyshev points."""
+        """Range of log h with its Chebyshev points."""
         return Interval(float(np.log(self.lower)), float(np.log(self.upper)), self.nodes)
 
     @cached_property
     def half_lengths(self) -> Array:
-        """Chebyshev points of log h [m], rising; (node,)."""
+        """Half-lengths [m] at the Chebyshev points of log h, in rising order; (node,)."""
         return np.exp(self.interval.points)
 
     @cached_property
@@ -104,7 +92,7 @@ class Table:
 
 
 def at(system: System, half_lengths: Array) -> Array:
-    """Outputs at half-lengths (half,) [m], batched over those of like size; (half, output, cause)."""
+    """Outputs at half-lengths (half,) [m], batched by size; (half, output, cause)."""
     out: Array = np.empty((half_lengths.size, outputs.COUNT, system.causes))
     for basis, members in batches(system, half_lengths):
         out[members] = outputs.outputs(Assembly(system, basis, half_lengths[members]))
@@ -112,16 +100,16 @@ def at(system: System, half_lengths: Array) -> Array:
 
 
 def batches(system: System, half_lengths: Array, points: int = 2) -> list[tuple[Basis, NDArray[np.intp]]]:
-    """Half-lengths whose numbers of terms are alike, with a basis for the largest of each; a few groups."""
+    """Group half-lengths with similar numbers of terms; each group has the basis of its longest one, and indices."""
     order = np.argsort(half_lengths)
     terms = np.array([system.terms(h) for h in half_lengths[order]])
     groups = []
     end = len(order)
     while end > 0:
         basis = system.basis(float(half_lengths[order[end - 1]]))
-        room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
-        alike = int(np.searchsorted(terms, _ALIKE * basis.terms))
-        start = min(max(alike, end - room), end - 1)
+        most = max(BATCH // (8 * 19 * basis.samples * (basis.terms + points)), 1)
+        similar = int(np.searchsorted(terms, _LEAST_SHARE * basis.terms))
+        start = min(max(similar, end - most), end - 1)
         groups.append((basis, order[start:end]))
         end = start
     return groups
@@ -140,7 +128,7 @@ def table(
     accuracy: float = 1.0,
     punch: Punch = RIGID_PUNCH,
 ) -> Table:
-    """Table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer."""
+    """Return the table of a stack over half-lengths from ``least`` to ``most`` thicknesses of its top layer."""
     if not LEAST <= least < most <= MOST:
         raise RangeError(f"contact: range {least:g} to {most:g} of hc/h1 is not within {LEAST:g} to {MOST:g}")
     top = stack.top.thickness
@@ -153,10 +141,8 @@ def table(
 
 
 def _refined(system: System, half_length: float) -> System:
-    """The system with so many terms that the last ones are negligible at its longest half-length [m].
-
-    Reflected waves that turn as they decay, as in PMN-PT, need more terms than others.
-    """
+    """Return the system with enough terms that the last ones are negligible at a half-length [m]."""
+    # reflected waves that oscillate as they decay, as in PMN-PT, need more terms than others
     ratio = half_length / system.kernel.stack.top.thickness
     if ratio < _WIDE:
         return system

@@ -29,12 +29,7 @@ _PATH_POINTS = 4096  # points of a path at a time: bounded memory
 
 @dataclass(frozen=True, eq=False)
 class Antiderivatives:
-    """Antiderivatives F of the basis's transforms at complex points z, Im z >= 0 (films, section 6).
-
-        F_j(z) = -(1/pi) int w P_j log[(z - S)/i] dS,   F_j' = H[w P_j],
-
-    and so for the fields' terms. By parts F_j = -H[w+ P_(j-1)+]/(2j), j >= 1, with exponents A + 1 and B + 1.
-    """
+    """Antiderivatives F_j of the basis's Hilbert transforms at complex points z, Im z >= 0 (films, F6.3)."""
 
     basis: Basis
 
@@ -50,10 +45,10 @@ class Antiderivatives:
 
     def pressed(self, z: ComplexArray, terms: Array) -> ComplexArray:
         """Antiderivatives of w sum_j terms_j P_j at z (point,), Im z >= 0, of terms (pressures, c); (point, c)."""
-        return np.asarray(self._first(z)[:, None] * terms[0] + self._others(z, terms[1:]))
+        return np.asarray(self._first(z)[:, None] * terms[0] + self._higher(z, terms[1:]))
 
     def _first(self, z: ComplexArray) -> ComplexArray:
-        """F_0; (point,)."""
+        """F_0 at z (point,), by moments far away and else by a path from 2i; (point,)."""
         out: ComplexArray = np.empty(z.shape, np.complex128)
         far = np.abs(z) >= _MOMENTS_FROM
         out[far] = self._far(z[far])
@@ -68,55 +63,52 @@ class Antiderivatives:
         return out
 
     def _far(self, z: ComplexArray) -> ComplexArray:
-        """F_0 at |z| >= 2."""
+        """F_0 at |z| >= 2 by its series of moments; (point,)."""
         A, B = self.basis.exponents
         S, weights = gauss_jacobi(_MOMENTS // 2 + 2, A, B)
         orders = np.arange(1, _MOMENTS + 1)
         moments = weights @ S[:, None] ** orders / orders
         return np.asarray((z[:, None] ** -orders @ moments - self.basis.total * np.log(z / 1j)) / np.pi)
 
-    def _others(self, z: ComplexArray, terms: Array) -> ComplexArray:
-        """Sum of F_j, j >= 1; (point, c)."""
-        share = -terms / (2 * np.arange(1, len(terms) + 1))[:, None]
+    def _higher(self, z: ComplexArray, terms: Array) -> ComplexArray:
+        """Sum of terms_j F_j, j >= 1; (point, c)."""
+        raised_terms = -terms / (2 * np.arange(1, len(terms) + 1))[:, None]
         return off_contact(
-            z,
-            self.basis.terms,
-            self._raised,
-            share,
-            lambda near: self._near(near, share) + self._polynomial(near, terms),
-        )
+            z, self.basis.terms, self._raised_exponents, raised_terms,
+            lambda near: self._edge_part(near, raised_terms) + self._polynomial(near, terms),
+        )  # fmt: skip
 
     @property
-    def _raised(self) -> tuple[float, float]:
-        """A + 1 and B + 1."""
+    def _raised_exponents(self) -> tuple[float, float]:
         A, B = self.basis.exponents
         return A + 1, B + 1
 
-    def _near(self, z: ComplexArray, share: Array) -> ComplexArray:
-        """The part near the contact that is no polynomial."""
+    def _edge_part(self, z: ComplexArray, raised_terms: Array) -> ComplexArray:
+        """Part of :meth:`_higher` near the contact that is singular at the edges; (point, c)."""
         A, B = self.basis.exponents
         edge = -((z - 1) ** (A + 1)) * (z + 1) ** (B + 1) / np.sin(np.pi * A)
-        return np.asarray(edge[:, None] * (jacobi(len(share), A + 1, B + 1, z) @ share))
+        return np.asarray(edge[:, None] * (jacobi(len(raised_terms), A + 1, B + 1, z) @ raised_terms))
 
     def _polynomial(self, z: ComplexArray, terms: Array) -> ComplexArray:
+        """Part of :meth:`_higher` near the contact that is a polynomial; (point, c)."""
         series, constants = self._series
         values = chebvander(z, len(series) - 1)
         return np.asarray(values @ (series @ terms) + constants @ terms)
 
     @cached_property
     def _series(self) -> tuple[Array, Array]:
-        """Minus the integrals of the polynomial parts, j >= 1, and their constants, from a point off the contact."""
+        """Chebyshev series of the polynomials, j >= 1 (order, j), and constants (j,), from a point off the contact."""
         size, count = self.basis.terms + 2, self.basis.pressures - 1
         series = -chebint(coefficients(self.basis.local(gauss_points(size))[:, 1:]))
         z: ComplexArray = 1j * np.sinh(np.array([CANCELS / (2 * self.basis.terms)]))
-        share = -np.eye(count) / (2 * np.arange(1, count + 1))
-        exact = by_gauss(z, int(np.ceil(RULES[0][0] * self.basis.terms)), self._raised, share)
-        known = self._near(z, share) + chebvander(z, len(series) - 1) @ series
-        return np.asarray(series), np.asarray((exact - known)[0].real)
+        raised_terms = -np.eye(count) / (2 * np.arange(1, count + 1))
+        exact = by_gauss(z, int(np.ceil(RULES[0][0] * self.basis.terms)), self._raised_exponents, raised_terms)
+        without_constants = self._edge_part(z, raised_terms) + chebvander(z, len(series) - 1) @ series
+        return np.asarray(series), np.asarray((exact - without_constants)[0].real)
 
 
 _LEAST = 30.0  # q from which the series about the edges are exact to rounding
-_SERIES = 19
+_SERIES = 19  # terms of these series
 _ABOVE = 1.2  # q over the number of terms from which the recurrences are used
 
 Recurrence = Callable[[Array, int], Iterator[ComplexArray]]
@@ -124,34 +116,35 @@ Recurrence = Callable[[Array, int], Iterator[ComplexArray]]
 
 @dataclass(frozen=True, eq=False)
 class Transforms:
-    """Fourier transforms of one basis (films, section 4): by recurrence where they oscillate, or by rules.
+    """Fourier transforms of one basis at q = k h, by quadrature or, at large q, by recurrences.
 
-        I_j(q) = int w P_j exp(-i q X) dX,   int T_n exp(-i q X) / sqrt(1 - X^2) dX = pi (-i)^n J_n(q)
-
-    A forward recurrence in j is stable as long as j < q; its start is the sum of two series about the edges.
+    The transform of w P_j is I_j(q) = int w P_j exp(-i q X) dX, that of T_n / sqrt(1 - X^2) is pi (-i)^n J_n(q).
     """
 
     basis: Basis
 
     @property
     def _switch(self) -> float:
+        """Least q of the recurrences, which are stable while j < q."""
         return _ABOVE * self.basis.terms + _LEAST
 
     @cached_property
     def _fine(self) -> Basis:
+        """Basis with enough quadrature nodes for q up to the switch."""
         return replace(self.basis, samples=self.basis.terms + 20 + int(self._switch / 2))
 
     def pressed(self, q: Array, terms: Array) -> ComplexArray:
-        """Transforms of the pressure of terms (member, j, column) at q >= 0, (member, q); (member, q, column)."""
-        return self._whole(q, terms, self._fine.pressure_rule, self._jacobi)
+        """Transforms of a pressure with terms (member, j, column) at q >= 0 (member, q); (member, q, column)."""
+        return self._transformed(q, terms, self._fine.pressure_rule, self._jacobi)
 
     def charged(self, q: Array, terms: Array) -> ComplexArray:
-        """Transforms of a field's charges of terms (member, n, column) at q >= 0, (member, q); (member, q, column)."""
-        return self._whole(q, terms, self._fine.charge_rule, self._bessel)
+        """Transforms of a field's charges with terms (member, n, column) at q >= 0 (member, q); (member, q, column)."""
+        return self._transformed(q, terms, self._fine.charge_rule, self._bessel)
 
-    def _whole(self, q: Array, terms: Array, rule: tuple[Array, Array], recurrence: Recurrence) -> ComplexArray:
+    def _transformed(self, q: Array, terms: Array, rule: tuple[Array, Array], recurrence: Recurrence) -> ComplexArray:
+        """Transforms by a rule or a recurrence, switched by wavenumber; (member, q, column)."""
         out: ComplexArray = np.empty((*q.shape, terms.shape[-1]), np.complex128)
-        slow: BoolArray = np.asarray(np.min(q, 0, initial=np.inf) < self._switch)  # by wavenumber: some member is slow
+        slow: BoolArray = np.asarray(np.min(q, 0, initial=np.inf) < self._switch)  # for at least one member
         nodes, weights = rule
         sources = weights @ terms
         phase = q[:, slow, None] * nodes
@@ -163,7 +156,7 @@ class Transforms:
         return out
 
     def _jacobi(self, q: Array, count: int) -> Iterator[ComplexArray]:
-        """I_j, j < count."""
+        """Yield I_j at q, j < count."""
         A, B = self.basis.exponents
         before: ComplexArray = np.conj(_edges(A, B, q))
         yield before
@@ -178,7 +171,7 @@ class Transforms:
             current, before = (factor * current + beneath * before) / (j * above), current
 
     def _bessel(self, q: Array, count: int) -> Iterator[ComplexArray]:
-        """pi (-i)^n J_n, n < count."""
+        """Yield pi (-i)^n J_n(q), n < count."""
         before, current = j0(q), j1(q)
         for n in range(count):
             yield np.asarray(np.pi * (-1j) ** n * before, dtype=np.complex128)
@@ -186,7 +179,7 @@ class Transforms:
 
 
 def _edges(A: float, B: float, q: Array) -> ComplexArray:
-    """int (1 - X)^A (1 + X)^B exp(i q X) dX at large q, by its series about both edges."""
+    """Return int (1 - X)^A (1 + X)^B exp(i q X) dX at large q by series about both edges, of the shape of q."""
     orders = np.arange(_SERIES)
     out: ComplexArray = np.zeros(q.shape, np.complex128)
     for exponent, other, sign in ((A, B, 1), (B, A, -1)):
@@ -199,64 +192,59 @@ def _edges(A: float, B: float, q: Array) -> ComplexArray:
     return out
 
 
-# Thicknesses from which fields are far, where a smooth end of the wavenumbers costs less than rounding
-_LONG_WAVES = 8.0
+_LONG_WAVES = 8.0  # thicknesses beyond which a smooth end of the wavenumbers costs less than rounding
 _SPAN = 32.0  # ratio of the distances that share wavenumbers
 _EXPONENTIALS_AT_ONCE = 1 << 20  # entries of a block of exponentials: bounded memory
 
 
 @dataclass(frozen=True, eq=False)
 class Tractions:
-    """Tractions under some contacts of one system, several columns of each."""
+    """Tractions under contacts of one system, the members, with several columns each."""
 
-    # The contact and the basis of the tractions
     system: System
     basis: Basis
     half_lengths: Array  # h [m]; (member,)
     pressures: Array  # Terms of sigma_yy; (member, pressures, column)
     charges: Array  # Terms of D_y and B_y; (member, 2, M + 1, column)
-    upper: float | None = None  # The longest half-length that these may be of [m]; by default the longest of these
+    upper: float | None = None  # Longest half-length that the basis resolves [m]; by default the members' longest
 
     @classmethod
     def by_cause(cls, system: System, half_lengths: Array) -> Self:
-        """One column for each cause, at half-lengths (member,) [m]."""
+        """Return the tractions at half-lengths (member,) [m], with one column for each cause."""
         basis = system.basis(float(np.max(half_lengths)))
-        room = max(BATCH // (8 * 19 * basis.samples * (basis.terms + 2)), 1)
+        most = max(BATCH // (8 * 19 * basis.samples * (basis.terms + 2)), 1)
         parts = [
-            Assembly(system, basis, half_lengths[start : start + room]).unknowns
-            for start in range(0, half_lengths.size, room)
+            Assembly(system, basis, half_lengths[start : start + most]).unknowns
+            for start in range(0, half_lengths.size, most)
         ]
         pressures, charges = system.split(basis, np.swapaxes(np.concatenate(parts), 1, 2))
         return cls(system, basis, half_lengths, np.swapaxes(pressures, 1, 2), np.moveaxis(charges, 1, -1))
 
     @property
     def longest(self) -> float:
-        """The longest half-length that the basis is made for [m]: what resolves it, resolves all members."""
+        """Longest half-length that the basis resolves [m]."""
         return float(np.max(self.half_lengths)) if self.upper is None else self.upper
 
     def part(self, members: slice | NDArray[np.intp]) -> Self:
-        """Some of the members."""
+        """Return the tractions of the selected members."""
         return selected(self, members, "half_lengths", "pressures", "charges")
 
     def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
-        """Nodes and weights in k of fields in a body that decay like exp(-width k); (k,) each.
-
-        The fields are read at distances from ``nearest`` to ``reach`` from the edges [m].
-        """
+        """Nodes and weights in k of fields that decay like exp(-width k), at distances up to ``reach`` [m]; (k,)."""
         k, weights, taper = tapered(body, width, np.array([nearest, reach]), _LONG_WAVES)
         return k, weights * taper
 
     def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
-        """Columns of positions X (member or 1, x) that share wavenumbers: far from the contact short waves vanish."""
+        """Group the columns of positions X (member or 1, x) that share wavenumbers; short waves vanish far away."""
         nearest = np.min(np.abs(X) * self.half_lengths[:, None], axis=0) - self.longest
         octave = np.floor(np.log(np.maximum(nearest / (_LONG_WAVES * body.thickness), 1 / _SPAN)) / np.log(_SPAN))
         return [np.flatnonzero(octave == number) for number in np.unique(octave)]
 
     def _vector(self, normal: ComplexArray, fields: Sequence[ComplexArray]) -> list[ComplexArray]:
-        """(sigma_xy, sigma_yy, D_y, B_y) from sigma_yy and the terms of D_y and B_y."""
+        """Return (sigma_xy, sigma_yy, D_y, B_y) from sigma_yy and the terms c_n of D_y and B_y (F4.1)."""
         c = self.system.coefficients
-        whole = [fields[f] + c.follower[f] * normal if f in c.fields else fields[f] for f in (0, 1)]
-        return [c.friction * normal, normal, *whole]
+        flux = [fields[f] + c.follower[f] * normal if f in c.fields else fields[f] for f in (0, 1)]
+        return [c.friction * normal, normal, *flux]
 
     def in_fourier_space(self, k: Array) -> ComplexArray:
         """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (member, k, 4, column)."""
@@ -283,13 +271,13 @@ class Tractions:
 
     @cached_property
     def totals(self) -> ComplexArray:
-        """The same at k = 0: forces and charges; (member, 4, column)."""
+        """Forces and charges: the transforms at k = 0; (member, 4, column)."""
         return self.in_fourier_space(np.zeros(1))[:, 0]
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """Hilbert transforms H of (sigma_xy, sigma_yy, D_y, B_y) at points z above the contact, or on it."""
+        """Hilbert transforms, or their antiderivatives, of the tractions at z (member or 1, point), Im z >= 0."""
         count, columns = self.half_lengths.size, self.pressures.shape[-1]
-        out: ComplexArray = np.empty((4, count, z.shape[1], columns), np.complex128)
+        out: ComplexArray = np.empty((4, count, z.shape[1], columns), np.complex128)  # component, member, point, column
         antiderivatives = Antiderivatives(self.basis)
         pressed = antiderivatives.pressed if integrated else self.basis.transformed
         charged = antiderivatives.charged if integrated else self.basis.charged
@@ -304,7 +292,7 @@ class Tractions:
 
 
 def _flat(terms: Array) -> Array:
-    """(member, term, column) as (term, members and columns)."""
+    """Reshape terms (member, term, column) to (term, members and columns)."""
     return np.moveaxis(terms, 1, 0).reshape(terms.shape[1], -1)
 
 
@@ -316,14 +304,16 @@ class TractionTable:
 
     @cached_property
     def _nodes(self) -> Tractions:
+        """Tractions at the half-lengths of the table."""
         return Tractions.by_cause(self.table.system, self.table.half_lengths)
 
     @cached_property
     def _series(self) -> tuple[Array, Array]:
+        """Chebyshev coefficients in log h of the terms of pressure and charges."""
         return coefficients(self._nodes.pressures), coefficients(self._nodes.charges)
 
     def read(self, contact: FilmContact) -> Tractions:
-        """Tractions under contacts that were read from the same table, one column."""
+        """Return the tractions, one column, under contacts that were read from the same table."""
         h = contact.half_width
         read, causes = self.table.interval.read, contact.causes.values
         pressures, charges = (read(np.log(h), series, causes)[..., None] for series in self._series)

@@ -1,4 +1,4 @@
-"""Kinds of films and the tables of each, over windows of half-lengths that are half a decade wide."""
+"""Tables of each kind of film over windows of half-lengths that are half a decade wide."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,22 +11,23 @@ from solver.cache import cached
 from solver.halfplane.sliding import Punch
 from solver.line.peaks import PeakTable
 from solver.line.stressnets import DEPTH
-from solver.line.table import LEAST, MOST, LengthsError, RangeError, Table, table, told
+from solver.line.table import LEAST, MOST, LengthsError, RangeError, Table, table
 from solver.line.tractions import TractionTable
 from solver.stack.layers import Stack
 
-_A_DECADE = 2  # windows
-_OVERLAP = 1.3  # of a window with its neighbours
+_PER_DECADE = 2  # windows
+_OVERLAP = 1.3  # factor by which a window extends into its neighbours
 _HALF_LENGTHS = 20  # half-lengths of a window
-FIRST = int(np.floor(_A_DECADE * np.log10(LEAST)))
-LAST = int(np.ceil(_A_DECADE * np.log10(MOST))) - 1
+FIRST = int(np.floor(_PER_DECADE * np.log10(LEAST)))
+LAST = int(np.ceil(_PER_DECADE * np.log10(MOST))) - 1
 _ACCURACY = 1.25  # factor on the number of terms: 1e-9 of tractions that are next to zero, too
-_ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of their tables: 1e-3 of the load, for a fifth of the time
+_ROUGH_NODES, _ROUGH_ACCURACY = 8, 0.5  # of rough tables: 1e-3 of the load in a fifth of the time
+_LOST_UNIT = 0.1  # m, thickness from which the user may have meant micrometres
 
 
 @dataclass(frozen=True)
 class Kind:
-    """Properties that cases answered by one set of tables share."""
+    """Properties shared by all cases that one set of tables serves."""
 
     stack: Stack  # The film, its top layer of unit thickness, on its base
     friction: float  # Coulomb coefficient
@@ -43,8 +44,8 @@ class Kind:
 
 @cached
 def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
-    """Table of a film of unit thickness over one window of half-lengths, counted in half decades from 1."""
-    ends = 10.0 ** (np.array([number, number + 1]) / _A_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
+    """Return the table of a film of unit thickness over a window of half-lengths, numbered in half decades from 1."""
+    ends = 10.0 ** (np.array([number, number + 1]) / _PER_DECADE) * np.array([1 / _OVERLAP, _OVERLAP])
     least, most = np.clip(ends, LEAST, MOST)
     nodes, accuracy = (_ROUGH_NODES, _ROUGH_ACCURACY) if rough else (_HALF_LENGTHS, _ACCURACY)
     return table(
@@ -56,30 +57,31 @@ def window(kind: Kind, number: int, *, rough: bool = False) -> Table:
 
 @cached
 def traction_window(kind: Kind, number: int) -> TractionTable:
-    """Tractions over one window."""
+    """Return the table of tractions over one window."""
     return TractionTable(window(kind, number))
 
 
 @cached
 def peak_window(kind: Kind, number: int) -> PeakTable:
-    """Stresses over one window; of a film no wider than it has a depth below 0.1 h."""
-    whole = window(kind, number)
-    return PeakTable(replace(whole, upper=min(whole.upper, 0.99 / DEPTH * kind.stack.thickness)))
+    """Return the table of stresses over one window, up to the half-length h whose depth 0.1 h still is in the film."""
+    contacts = window(kind, number)
+    return PeakTable(replace(contacts, upper=min(contacts.upper, 0.99 / DEPTH * kind.stack.thickness)))
 
 
 def number_of(ratio: Array) -> Indices:
-    """The window that holds half-lengths over the thickness; any shape."""
-    number = np.floor(_A_DECADE * np.log10(ratio))
+    """Number of the window of each half-length over the thickness, of the shape of ``ratio``."""
+    number = np.floor(_PER_DECADE * np.log10(ratio))
     return np.asarray(np.clip(number, FIRST, LAST), dtype=np.intp)
 
 
 def searched(
-    guess: Array, direction: Callable[[Indices, int], Indices], thickness: Array, size: str, load: str
+    guess: Array,  # Half-length or radius over the thickness; (case,)
+    direction: Callable[[Indices, int], Indices],  # -1, 0 or 1 of cases whose contact is below, in or above a window
+    thickness: Array,  # Of the top layers [m]; (case,)
+    size: str,
+    load: str,
 ) -> Indices:
-    """The window of every contact, from a guess on; (case,).
-
-    guess: (case,), half-length or radius over the thickness; thickness: (case,), of the top layers [m].
-    """
+    """Number of the window of every contact, searched from a guess on; (case,)."""
     numbers = number_of(guess)
     open_cases = np.arange(numbers.size)
     for _ in range(LAST - FIRST + 2):
@@ -99,8 +101,12 @@ def searched(
 
 
 def beyond(narrower: bool, thickness: Array, size: str) -> RangeError:
-    """Error for contacts that are narrower, or else wider, than the resolved range."""
+    """Return the error for contacts that are narrower, or else wider, than the resolved range."""
     how = "narrower" if narrower else "wider"
+    least, most = float(np.min(thickness)), float(np.max(thickness))
+    metres = f"{least:g}{'' if least == most else f' to {most:g}'}"
+    hint = f"; did you mean {metres} um?" if least >= _LOST_UNIT else ""
     return RangeError(
-        f"contact: {how} than the resolved range, {LEAST:g} to {MOST:g} of {size} over thickness ({told(thickness)})"
+        f"contact: {how} than the resolved range, {LEAST:g} to {MOST:g} of {size} over thickness "
+        f"(thickness {metres} m{hint})"
     )

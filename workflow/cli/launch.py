@@ -29,8 +29,11 @@ def run(options: argparse.Namespace) -> int:
         )
     name = location.given(options.study)
     study = studies.named(name)
+    answers = [Path("results", name, "design", f"{target}.nc") for target in study.design]
     if other := studies.pressed(study):
+        assert study.signal is not None
         _check_results(other.path.stem)
+        answers.insert(0, Path("results", other.path.stem, "design", f"{study.signal.design}.nc"))
     for line in study.defaults:
         say(line)
     _check_results(name)
@@ -59,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         _check_origin(study, results / "provenance.json")
         from workflow.design.wording import table  # scikit-learn stands behind it, for which the start should not wait
 
-        for line in table.outcome(results, list(study.design)):
+        for line in table.outcome(answers):
             print(line)
         print(f"report: {report}")
     return status

@@ -293,7 +293,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line. What a command needs is imported when it is known: half a second before the help."""
     printable_streams()
     parser = _parser()
-    options = parser.parse_args(arguments)
+    try:
+        options = parser.parse_args(arguments)
+    except OSError as error:  # of a path that no file can have, which an option looks up
+        return _refuse_file(error)
     if options.command is None:
         parser.print_help()
         return 0
@@ -315,7 +318,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nor is there anything left to flush
         return 0
     except OSError as error:
-        return _refuse(f"{error.filename}: {error.strerror}" if error.filename else error)
+        return _refuse_file(error)
     except LinAlgError as error:
         return _refuse(f"constants beyond what double precision can solve ({error})")
     except _refusals() as error:
@@ -325,6 +328,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _refuse(reason: object) -> int:
     print(f"meecontact: {one_line(str(reason))}", file=sys.stderr)
     return 2
+
+
+def _refuse_file(error: OSError) -> int:
+    return _refuse(f"{error.filename}: {error.strerror}" if error.filename else error)
 
 
 class _Version(argparse.Action):

@@ -89,6 +89,7 @@ COMMANDS = [
     ("solve /dev/zero -o out.nc", "/dev/zero: not a regular file"),
     ("query pipe.nc --at radius=0.1,friction=0.1", "not a regular file"),
     ("material pipe.nc", "not a regular file"),
+    *((f"{words} {'x' * 300}", "xxx: File name too long") for words in ("query --at a=1", "export --as c", "solve")),
     # results
     ("query config --at load=1", "surrogate: config: holds no surrogate.nc"),
     ("query WRONG --at load=1", "WRONG: no such file or folder; must be results/STUDY"),

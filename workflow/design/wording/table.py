@@ -144,17 +144,17 @@ def _rows(answer: Answer) -> list[tuple[Any, ...]]:
     return [*rows, ("status", answer.status, *[""] * 7), ("flags", answer.flags, *[""] * 7)]
 
 
-def outcome(folder: Path, targets: Sequence[str]) -> list[str]:
-    """Lines of a table with the design and verdict of each target of a run; none without targets."""
-    if not targets:
+def outcome(answers: Sequence[Path]) -> list[str]:
+    """Lines of a table with the design and verdict of each answer's file; none without answers."""
+    if not answers:
         return []
     rows, reasons = [_HEAD], [""]
-    for name in targets:
-        answer = netcdf.read(folder / "design" / f"{name}.nc")
+    for file in answers:
+        answer = netcdf.read(file)
         goal, judged = answer.terms[0], verdict(answer)
         parts = [category.kind for category in answer.categories if category.kind_role == "variable"]
         parts += [f"{variable.title} {variable.words}" for variable in answer.variables if variable.chosen]
-        rows.append((name, judged.kind, f"{goal.title} {shown(goal.exact, goal.units, 3)}", ", ".join(parts)))
+        rows.append((file.stem, judged.kind, f"{goal.title} {shown(goal.exact, goal.units, 3)}", ", ".join(parts)))
         reasons.append(judged.why)
     widths, lines = [max(map(len, column)) for column in zip(*rows, strict=True)], []
     for row, why in zip(rows, reasons, strict=True):
