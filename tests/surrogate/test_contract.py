@@ -17,16 +17,7 @@ from approximation.arrays import Array
 from storage.described import described
 from storage.netcdf import read_whole, write_whole
 from storage.quarantine import little_memory
-from surrogate import (
-    FactorialRegressor,
-    FormatError,
-    GaussianProcess,
-    GridGP,
-    Input,
-    ScatterGP,
-    load,
-    save,
-)
+from surrogate import FactorialRegressor, FormatError, GaussianProcess, GridGP, Input, ScatterGP, load, save
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face import persistence
 from surrogate.transforms.measured import CorrectedGP

@@ -138,10 +138,7 @@ def test_rows_have_the_labels_of_their_frame_and_may_lack_what_is_optional() -> 
     assert list(solver.solve(TABLE)["case"].values) == ["a", "b", "c"]
     rows = solver.solve([CASE, CASE | {"thickness": "1 mm", "base": "steel", "surroundings": "insulated"}])
     assert float(rows["voltage"][0]) == pytest.approx(float(solver.solve(CASE)["voltage"]), rel=1e-12)
-    for place, words in (
-        (1, r"^load: missing; must be .* \(row b\)$"),
-        (2, r"^load: -1 is not .* \(row c\)$"),
-    ):
+    for place, words in ((1, r"^load: missing; must be .* \(row b\)$"), (2, r"^load: -1 is not .* \(row c\)$")):
         wrong = TABLE.assign(load=[np.nan if place == row == 1 else -1.0 if place == row else 1e4 for row in range(3)])
         with pytest.raises(solver.FactorError, match=words):
             solver.solve(wrong)

@@ -76,12 +76,6 @@ def test_polynomials_get_exactly_the_levels_that_they_need() -> None:
     assert choice.kinked == {}
 
 
-@pytest.mark.parametrize(("tolerance", "budget"), [(0.0, 10), (float("nan"), 10), (1e-3, 0)])
-def test_senseless_requests_are_refused(pilot_decays: Decays, tolerance: float, budget: int) -> None:
-    with pytest.raises(ValueError, match="must be positive"):
-        choose(pilot_decays, tolerance, budget)
-
-
 Array = NDArray[np.float64]
 Family = Callable[[Array, float], Array]
 
