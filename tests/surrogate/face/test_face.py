@@ -211,7 +211,8 @@ def test_masked_and_missing_cells_are_refused_as_nan_is(product: GridGP) -> None
     hidden = np.ma.masked_array(cases, np.arange(24).reshape(12, 2) == 5)
     values = np.ma.masked_array(cases[:, 0], np.arange(12) == 3)
     for X, y in ((hidden, cases[:, 0]), (cases, values)):
-        assert_refused(ValueError, "NaN", FactorialRegressor().fit, X, y)
+        with pytest.raises(ValueError, match="NaN"):  # scikit-learn says so in several lines
+            FactorialRegressor().fit(X, y)
     x = product.box["x"]
     output = np.ma.masked_array(np.ones(4), [False, False, True, False])
     assert_refused(ValueError, "not finite", GridGP([x]).fit, xr.Dataset({"f": ("x", output)}, {"x": x.levels(4)}))

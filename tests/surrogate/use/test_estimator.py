@@ -16,7 +16,6 @@ from sklearn.preprocessing import MinMaxScaler, StandardScaler
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
 from surrogate import FactorialRegressor, GridGP, OutOfBoxError, ScatterGP, chebyshev_levels
-from tests.refusals import assert_refused
 
 Array = NDArray[np.float64]
 
@@ -94,7 +93,8 @@ def test_tables_name_the_inputs_and_own_names_do_not_clash() -> None:
     assert model.feature_names_in_.tolist() == list(model.model_.box) == names
     assert model.model_.outputs_ == ("y0_",)
     np.testing.assert_allclose(model.predict(pd.DataFrame(fresh(30), columns=names)), truth(fresh(30)), atol=1e-3)
-    assert_refused(ValueError, "feature names", model.predict, pd.DataFrame(fresh(30), columns=names[::-1]))
+    with pytest.raises(ValueError, match="feature names"):
+        model.predict(pd.DataFrame(fresh(30), columns=names[::-1]))
 
 
 def test_points_outside_are_answered_unless_refused() -> None:
@@ -164,7 +164,8 @@ def test_a_weight_counts_as_so_many_cases() -> None:
     assert np.abs(weighed[0] - plain).max() > 1e-3
     with pytest.raises(ValueError, match="Negative values in data passed to `sample_weight`"):
         FactorialRegressor().fit(X, y, -np.ones(40))
-    assert_refused(ValueError, "minimum of 2 is required", FactorialRegressor().fit, X, y, np.eye(40)[0])
+    with pytest.raises(ValueError, match="minimum of 2 is required"):
+        FactorialRegressor().fit(X, y, np.eye(40)[0])
 
 
 def test_a_fold_of_cross_validation_is_as_good_outside_of_its_points() -> None:
