@@ -211,8 +211,8 @@ class Block:
                 shear_states = np.einsum("skz,kc->kzsc", per_traction, -top[:, 0]) / stack.scale[0]
                 material = stack.layers[number].material if number < len(stack.layers) else stack.base
                 assert isinstance(material, Material)
-                for n, J in enumerate(orders):
-                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[n], shear_states, J)
+                for shear, J in zip(shear_rows(Sheared.of(material), names), orders, strict=True):
+                    _add(out, np.arange(len(names)), shear, shear_states, J)
         return out
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
