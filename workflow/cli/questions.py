@@ -100,7 +100,7 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         if name not in said and _usual(study, name):
             content["at"][name] = _usual(study, name)
     try:
-        return Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).meets(study.meeting)
+        return Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).set_meeting(study.meeting)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, content)}") from None
 

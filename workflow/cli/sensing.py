@@ -20,7 +20,7 @@ from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
-from workflow.language.given import DESTROYED, lost_unit
+from workflow.language.given import DESTRUCTIVE_PRESSURE, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, first_problem, located, number, read_material
@@ -162,7 +162,7 @@ def _plain(text: str) -> float | str:
 def _check_unit(path: Path, most: float, solved: xr.Dataset) -> None:
     """Refuse a bare force whose contact would be destroyed: it has probably lost its unit."""
     peak = float(solved["peak_pressure"].values.max()) if "peak_pressure" in solved else 0.0
-    if DESTROYED < peak < np.inf:
+    if DESTRUCTIVE_PRESSURE < peak < np.inf:
         raise InputError(f"{path}: force: {lost_unit(most, 'N', peak)}")
 
 

@@ -40,7 +40,7 @@ from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, one_case, read_blocks, read_cases
 from workflow.cli.textfile import write_columns
 from workflow.cli.words import numbers, say
-from workflow.language.given import DESTROYED, lost_unit
+from workflow.language.given import DESTRUCTIVE_PRESSURE, lost_unit
 from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
@@ -201,7 +201,7 @@ def _check_units(table: Table, out: xr.Dataset) -> None:
         if "peak_pressure" not in out:
             continue
         pressures = np.broadcast_to(out["peak_pressure"].values, out.sizes["case"])
-        crushed = (pressures > DESTROYED) & np.isfinite(pressures) & ~table.empty(name)
+        crushed = (pressures > DESTRUCTIVE_PRESSURE) & np.isfinite(pressures) & ~table.empty(name)
         if crushed.any():
             row = int(crushed.argmax())
             value, unit = float(table.columns[name][row]), FACTORS[name].units
