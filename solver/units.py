@@ -231,6 +231,7 @@ def _symbol(text: str) -> Unit:
 
 _PRINTED_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _RAISING = str.maketrans("-0123456789/", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ")
+_DEGREE = math.pi / 180  # rad
 _DIGITS = 15  # by which the size of a value chooses its prefix: all that a double has for certain
 
 
@@ -238,8 +239,10 @@ def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str
     """Return the divisor for values of some size, and the unit to write behind them.
 
     A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``, or is an area (``mm²``); a
-    pure number has no unit.
+    pure number has no unit. Angles are in degrees from one degree on.
     """
+    if units == "rad" and _DEGREE <= abs(size) < math.inf:
+        return _DEGREE, "deg"
     scalable = re.match(r"(?:[A-Za-z]+|m2)(?: |$)", units) is not None and not units.startswith("kg")
     exponent, shift, least, most = (2, 2, -9, 0) if units.startswith("m2") else (1, 0, -15, 12)  # 0.01 to 9999 mm²
     power = 0
