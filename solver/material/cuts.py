@@ -47,7 +47,7 @@ def canonical(cut: object) -> str:
 
 
 def rotation(cut: str) -> Array:
-    """Axes of the surface by rows, in those of the crystal, of an empty cut those of Z; (3, 3)."""
+    """Rotation from the crystal's axes to the surface's, which are its rows; an empty cut is Z; (3, 3)."""
     return np.asarray(scipy.spatial.transform.Rotation.from_euler("ZXZ", _angles(cut), degrees=True).as_matrix().T)
 
 
