@@ -1,8 +1,4 @@
-"""Integrals of a stack's kernels against charges on the right side of a contact.
-
-One rule serves all targets where the kernel is smooth over an interval (:mod:`solver.gap.grid`); elsewhere
-intervals end where the kernel's panels do.
-"""
+"""Integrals of a stack's kernels against charges on the right side of a contact."""
 
 from dataclasses import dataclass
 
@@ -20,13 +16,14 @@ _DIGITS = 30.0  # exponent of the interpolation error between Chebyshev points: 
 
 @dataclass(frozen=True, eq=False)
 class Densities:
-    """Densities of the right side under one stack."""
+    """Densities of the right side on one stack."""
 
     grid: Grid
     kernel: Kernel
 
     def integrals(self, h: float, X: Array, mix: Array) -> Array:
-        """Integrals of sums of channels (19, c) against the densities, at targets; (target, c, n)."""
+        """Integrals of kernel sums ``mix`` (19, c) against the densities, at targets X (target,); (target, c, n)."""
+        # one rule serves all targets where the kernel is smooth; elsewhere intervals end where the kernel's panels do
         grid, rules = self.grid, self.grid.rules
         rough = grid.rough_at(X, self.kernel.smoothness / h)
         target, interval = np.nonzero(~rough)
@@ -43,10 +40,7 @@ class Densities:
         return np.moveaxis(out, 1, 2).reshape(X.size, mix.shape[1], grid.count)
 
     def _pieces(self, h: float, X: Array, rough: BoolArray) -> tuple[Pieces, Pieces]:
-        """Pieces of rough intervals, (target, interval), on which neither a density nor the kernel has a break.
-
-        Those of the finite panels and those of the infinite one.
-        """
+        """Cut ``rough`` intervals (target, interval) where densities or kernel break; finite panels, then infinite."""
         ends, edges, last = np.array(self.grid.ends), self.kernel.ends, self.grid.panels - 1
         farthest = float(np.cosh(ends[-1]))
         breaks = X[:, None] + np.concatenate([edges, -edges]) / h
@@ -57,12 +51,12 @@ class Densities:
 
 
 def enough(strip: float, length: float) -> int:
-    """Number of Chebyshev points that resolve a function analytic within a strip about the interval."""
+    """Number of Chebyshev points on an interval of ``length`` for a function analytic within a strip around it."""
     return 2 + int(_DIGITS / np.arcsinh(2 * strip / length))
 
 
 def far(wide: Kernel, x: Array, mix: Array) -> Array:
-    """Sums ``mix`` (19, c) of channels at distances x (...) [m], by the logarithm beyond the reach; (..., c)."""
+    """Kernel sums ``mix`` (19, c) at distances x (...) [m], by their logarithm beyond the reach; (..., c)."""
     values = wide.at(np.clip(x, -wide.reach, wide.reach), mix)
     beyond = np.abs(x) > wide.reach
     if np.any(beyond):
@@ -77,10 +71,9 @@ def far(wide: Kernel, x: Array, mix: Array) -> Array:
 def sampled(
     wide: Kernel, grid: Grid, fields: tuple[int, ...], h: float, points: tuple[float, ...]
 ) -> tuple[Array, Array]:
-    """Integrals of the kernels against densities of the right side; tables of any friction share them.
+    """Kernel integrals of the right densities at points near the contact, and displacements at the distant nodes.
 
-    Sums of :func:`mixing` at points about the contact, (point, 7 field, n), and displacements alone at the nodes beyond
-    on the right and on the left, (2 node, 3 field, n).
+    (point, 7 field, n), and (2 node, 3 field, n), right and left; tables of any friction share them.
     """
     densities = Densities(grid, wide)
     mix = np.stack([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)
