@@ -105,7 +105,7 @@ class SlidingPoint:
         by_layers = self._layered[1]
         chi = np.zeros((len(self._rows.channels), self._columns))
         chi[0, SHIFT] = edge_chi
-        chi[:, FRICTION] = -coupling * pressed.turned(_EDGE)[0, 0, 0]
+        chi[:, FRICTION] = -coupling * pressed.hilbert(_EDGE)[0, 0, 0]
         edges = self._operators.inverse @ (chi - by_layers[:, count])
         exterior_chi = self._operators.exterior_chi(by_layers[:, count:], edges)
         exterior_chi[..., FRICTION] += coupling[:, None] * _hilbert_beyond(pressed, rings.grid.theta)
@@ -130,9 +130,11 @@ class SlidingPoint:
 
     def _closed(self, s: Array) -> Array:
         """S of a half-space below the contact at s (s,) from 0 to 1, by shift and friction; (channel, s, 2)."""
-        along, moved = self.response.answers
-        by_friction = -along[:, None] * self.at_rest.density.turned(s)[0, 0]
-        columns = [moved[:, None] * s ** (self.response.shape.exponent - 1), by_friction]
+        by_friction, by_shift = self.response.factors
+        columns = [
+            by_shift[:, None] * s ** (self.response.shape.exponent - 1),
+            -by_friction[:, None] * self.at_rest.density.hilbert(s)[0, 0],
+        ]
         return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
 
     def _by_shear(self, radius: float, targets: Array, rule: ContactRule) -> Array:
@@ -207,7 +209,7 @@ class SlidingPoint:
 
     def sines(self, b: Array) -> Array:
         """Density psi over C a^(e-1) below the contact at b (b,) from 0 to 1; (3, b)."""
-        closed = self.response.closed(self.friction * self.at_rest.density.turned(b)[0, 0], b, np.array(self.shift))
+        closed = self.response.closed(self.friction * self.at_rest.density.hilbert(b)[0, 0], b, np.array(self.shift))
         return np.asarray(closed + self.series @ legendre(b, self.series.shape[1]).T)
 
     def tractions(self, ratio: float) -> AirPointTractions:

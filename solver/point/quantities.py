@@ -1,8 +1,4 @@
-"""Quantities of point contacts by their names.
-
-A tangent in the voltage holds the magnetic potential, one in the magnetic potential the voltage; those of open circuits
-hold both charges.
-"""
+"""Quantities of point contacts by their names; derivatives by one potential hold the other potential."""
 
 import numpy as np
 
@@ -16,7 +12,7 @@ from solver.twoport import Stiffness
 
 _INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 _ENDS = tuple((f"{name}_trailing", f"{name}_leading") for name in _INTENSITIES)
-#: By field: potential, its change per force, charge per force at zero potential, stroke, blocked force, capacitance.
+#: By field: potential, potential per force, charge per force at zero potential, stroke, blocked force, capacitance.
 RESPONSES = (
     (
         "voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt",
@@ -66,6 +62,7 @@ def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
 
 
 def _responses(pressed: Pressed, contact: PointContact, port: Stiffness, field: int) -> tuple[Array, ...]:
+    """Values of ``RESPONSES`` of a field; (case,) each."""
     j = 1 + field
     return (
         contact.displacement[:, j],
