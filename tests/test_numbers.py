@@ -25,8 +25,8 @@ from solver.line.table import table
 from solver.material.punches import punches
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import sideways
-from tests.solver.cases import tables
-from tests.solver.point.points import BTO, film, on_film
+from tests.solver.cases import BTO, tables
+from tests.solver.point.points import film, on_film
 from workflow.language import grammar
 from workflow.language.constants import Meeting
 from workflow.run.provenance import ROOT

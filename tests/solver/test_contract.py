@@ -14,6 +14,7 @@ from solver.fields import EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import ANY_SIZE, UNITS
 from solver.names import ALL_QUANTITIES, HEAT_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers, weight_of
+from tests.refusals import assert_refused
 from tests.solver.cases import assert_alike, refused, without
 
 Case = dict[str, Any]
@@ -165,10 +166,8 @@ def test_bad_factors_and_positions_are_refused_in_one_line(case: Case) -> None:
         ([np.nan], [-1.0], None, "^x: nan"), ([], [-1.0], None, "^x: not a list"),
         ([0.0], [-1.0], ["stress"], "^fields: 'stress' is not one of stress_xx"),
     ):  # fmt: skip
-        with pytest.raises(solver.FactorError, match=words):
-            solver.solve_interior(case, x, y, fields=fields)
-    with pytest.raises(solver.FactorError, match="peaks: 'shear' is not one of"):
-        solver.solve(case, peaks=["shear"])
+        assert_refused(solver.FactorError, words, solver.solve_interior, case, x, y, fields=fields)
+    assert_refused(solver.FactorError, "peaks: 'shear' is not one of", solver.solve, case, peaks=["shear"])
 
 
 def slope(answer: Callable[[float], xr.Dataset], step: float) -> xr.Dataset:
@@ -263,10 +262,8 @@ def test_reversed_poling_reverses_the_fields_and_electric_and_magnetic_ones_may_
 
 def test_every_name_has_its_powers() -> None:
     assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *EVERY_FIELD, *EVERY_INTERIOR, *SIZES}
-    with pytest.raises(ValueError, match="'load' and 'charge' scale alike"):
-        scale_powers("depth", "load", "charge")
-    with pytest.raises(ValueError, match="'temperature' has no known powers"):
-        scale_powers("temperature", "load", "radius")
+    assert_refused(ValueError, "'load' and 'charge' scale alike", scale_powers, "depth", "load", "charge")
+    assert_refused(ValueError, "'temperature' has no known powers", scale_powers, "temperature", "load", "radius")
 
 
 @each_body
@@ -292,5 +289,4 @@ def test_only_what_needs_c12_is_left_out_or_refused_without_it(case: Case) -> No
     assert not {"stress_zz", "von_mises"} & set(solver.solve_interior(lacking, X, Y))
     with pytest.raises(solver.MaterialError, match=r"^mine: c12: missing; von_mises needs it"):
         solver.solve_interior(lacking, X, Y, fields=["von_mises"])
-    with pytest.raises(solver.MaterialError, match=r"c12: missing; .* need"):
-        solver.solve(lacking, peaks=True)
+    assert_refused(solver.MaterialError, r"c12: missing; .* need", solver.solve, lacking, peaks=True)

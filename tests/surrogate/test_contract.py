@@ -17,19 +17,11 @@ from approximation.arrays import Array
 from storage.described import described
 from storage.netcdf import read_whole, write_whole
 from storage.quarantine import little_memory
-from surrogate import (
-    FactorialRegressor,
-    FormatError,
-    GaussianProcess,
-    GridGP,
-    Input,
-    ScatterGP,
-    load,
-    save,
-)
+from surrogate import FactorialRegressor, FormatError, GaussianProcess, GridGP, Input, ScatterGP, load, save
 from surrogate.data.meanings import MEANINGS, SOURCE
 from surrogate.face import persistence
 from surrogate.transforms.measured import CorrectedGP
+from tests.refusals import assert_refused
 from tests.surrogate import curved, functions, grouped
 from tests.surrogate.functions import inside
 from tests.surrogate.use import test_learning
@@ -289,8 +281,7 @@ def test_a_small_file_that_would_fill_the_memory_or_names_twice_is_refused(
     stored.attrs |= {"format": persistence.FORMAT, "format_version": persistence.VERSION}
     write_whole(described(stored, "hostile", SOURCE, MEANINGS), path)
     assert path.stat().st_size < 2**19
-    with pytest.raises(FormatError, match=rf"hostile\.nc: {says}"):
-        load(path)
+    assert_refused(FormatError, rf"hostile\.nc: {says}", load, path)
 
 
 def test_levels_are_bounded_for_all_factors_together() -> None:
@@ -310,6 +301,5 @@ def test_what_is_made_of_a_file_has_little_memory_and_the_limit_goes_again(tmp_p
 
 def test_what_could_not_be_read_again_is_not_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(persistence.MOST, "output", 0)
-    with pytest.raises(ValueError, match="output is 1 long"):
-        save(sine(), tmp_path / "y.nc")
+    assert_refused(ValueError, "output is 1 long", save, sine(), tmp_path / "y.nc")
     assert list(tmp_path.iterdir()) == []

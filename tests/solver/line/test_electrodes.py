@@ -13,7 +13,7 @@ import solver
 from solver.arrays import Array
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import Layer, Stack
-from tests.solver.line.films import BTO, FIBROUS, SILICON, STEEL
+from tests.solver.cases import BTO, FIBROUS, SILICON, STEEL
 
 PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
 BARE: dict[str, Any] = {"surroundings": "insulated"}

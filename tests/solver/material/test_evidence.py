@@ -11,7 +11,6 @@ from solver.material.punches import punches
 from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, LIMITED, LIMITS
 from tests.solver.cases import free_body
 
-PLAIN: dict[str, Any] = {"name": "mine", "c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
 #: Orders of magnitude that a solid can have.
 SENSIBLE = {
     "tensile_strength": (1e6, 1e9), "yield_strength": (1e7, 1e9), "depoling_stress": (1e6, 1e9),
@@ -111,37 +110,6 @@ def test_a_laminate_is_pyroelectric_as_its_layers_in_series() -> None:
     ) + c["eps33"] * 1e9 * induced
     assert p["expansion"] == pytest.approx(across, rel=1e-9)
     assert p["pyroelectric"] == pytest.approx(induction, rel=1e-7)
-
-
-@pytest.mark.parametrize(
-    ("entries", "words"),
-    [
-        ({"limits": 3}, "limits: '3' is not a mapping of tensile_strength, "),
-        ({"limits": {"strength": {}}}, "limits: 'strength': unknown entry; known are tensile_strength, "),
-        ({"limits": {"yield_strength": 3e7}}, "limits: yield_strength: '30000000.0' is not a mapping of value, source"),
-        ({"thermal": {"conductivity": {"value": 0, "source": "x"}}},
-         "thermal: conductivity: value: '0' is not a finite"),
-        ({"thermal": {"pyroelectric": {"value": -27, "source": "x"}}},
-         "thermal: pyroelectric: -27 C m-2 K-1 is of a size that no material has"),
-        ({"thermal": {"expansion": {"value": "3 ppm"}}}, "thermal: expansion: value: '3 ppm': unit mismatch"),
-        ({"limits": {"coercive_field": {"value": -1, "source": "x"}}},
-         "limits: coercive_field: value: '-1' is not a finite number > 0 [V m-1]"),
-        ({"limits": {"yield_strength": {"value": 1e7}}}, "limits: yield_strength: source: '' is not a text that says"),
-        ({"limits": {"yield_strength": {"value": 1e7, "unit": "Pa"}}}, "limits: yield_strength: 'unit': unknown entry"),
-        ({"alternatives": {"c11": 1e9}}, "alternatives: \"{'c11': 1000000000.0}\" is not a list of constants"),
-        ({"alternatives": [{"c11": 1.2e11}]}, "alternatives: 1: source: '' is not a text that says where it comes"),
-        ({"alternatives": [{"e13": 1.0, "source": "x"}]}, "alternatives: 1: 'e13': unknown entry; known are c11, "),
-        ({"alternatives": [{"c11": 1.3e11, "source": "x"}, {"c11": float("inf"), "source": "x"}]},
-         "alternatives: 2: c11: 'inf' is not a finite number [Pa]"),
-        ({"alternatives": [{"c33": 1e11, "source": "x"}, {"c12": 2e11, "source": "x"}]},
-         "(alternative 2): c12 = 2e+11 Pa: needs |c12| < c11"),
-        ({"alternatives": [{"c11": 1e11, "source": "x"}] * 21}, "alternatives: 21 are more than 20"),
-    ],
-)  # fmt: skip
-def test_refused_by_name(entries: dict[str, Any], words: str) -> None:
-    with pytest.raises(solver.MaterialError) as caught:
-        solver.Material.from_mapping(PLAIN | entries)
-    assert words in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["BaTiO3", "steel", "P(VDF-TrFE) 75:25", "CoFe2O4"])

@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 
-import solver
 from solver.arrays import Array
 from solver.material.constants import Material
 from solver.point.body import Film
@@ -12,9 +11,6 @@ from solver.point.contact import Pressed
 from solver.point.profile import Shape
 from solver.point.table import PointKind
 from solver.stack.layers import RIGID, Layer, Stack
-
-BTO, CFO, PZT, STEEL = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "PZT-4", "steel"))
-FIBROUS = solver.fibrous(BTO, CFO, 0.5)
 
 
 def film(material: Material, base: Material | None = None, **interface: Any) -> Stack:

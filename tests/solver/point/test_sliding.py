@@ -9,7 +9,7 @@ import pytest
 import solver
 from solver.halfplane.surface import HalfPlane
 from solver.point.profile import Shape, halfspace_peak
-from tests.solver.point.points import FIBROUS
+from tests.solver.cases import FIBROUS
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 

@@ -16,7 +16,8 @@ from solver.point.table import PointKind, PointWindow
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, wavenumbers
-from tests.solver.point.points import BTO, CFO, FIBROUS, STEEL, film
+from tests.solver.cases import BTO, CFO, FIBROUS, STEEL
+from tests.solver.point.points import film
 
 PUNCHES: list[dict[str, Any]] = [
     {"profile": "sphere", "radius": 5e-3},

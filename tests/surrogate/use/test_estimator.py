@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,7 +15,7 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import MinMaxScaler, StandardScaler
 from sklearn.utils.estimator_checks import estimator_checks_generator
 
-from surrogate import FactorialRegressor, GridGP, Input, OutOfBoxError, ScatterGP, chebyshev_levels
+from surrogate import FactorialRegressor, GridGP, OutOfBoxError, ScatterGP, chebyshev_levels
 
 Array = NDArray[np.float64]
 
@@ -86,26 +85,6 @@ def test_the_cases_decide_the_engine(X: Array, engine: type) -> None:
     model = FactorialRegressor(nugget=1e-8).fit(X, X[:, 0])
     assert isinstance(model.model_, engine)
     np.testing.assert_allclose(model.predict(X), X[:, 0], atol=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("change", "X", "says"),
-    [
-        ({"design": "grid"}, fresh(), "design 'grid' is none of auto, factorial, scattered"),
-        ({"design": "factorial"}, factorial(LEVELS)[1:],
-         "the 209 cases are no factorial: the columns have 6 x 7 x 5 lev"),
-        ({"design": "factorial"}, factorial([np.linspace(0, 1, 8), *LEVELS[1:]]),
-         "8 levels are no Chebyshev-Gauss levels"),
-        ({}, np.column_stack([fresh(9), np.full(9, 2.5)]), "column 'x3' is 2.5 in all 9 cases; leave it out"),
-        ({}, fresh(1), "Found array with 1 sample(s)"),
-        ({"inputs": [Input("a", 0, 1)]}, fresh(), "inputs has 1 entries for the 3 columns x0, x1, x2"),
-        ({"inputs": [Input("a", 0, 1), Input("b", 1, 9), Input("c", -2, 3)]}, fresh(), "outside its range [1, 9]"),
-    ],
-)  # fmt: skip
-def test_bad_cases_are_refused_in_one_line(change: dict[str, Any], X: Array, says: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(says)) as caught:
-        FactorialRegressor(**change).fit(X, X[:, 0])
-    assert "\n" not in str(caught.value)
 
 
 def test_tables_name_the_inputs_and_own_names_do_not_clash() -> None:
