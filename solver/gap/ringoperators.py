@@ -155,7 +155,7 @@ class RingOperators:
         S += closed
         loads = 4 * np.einsum("n,inc->ic", below.weights, S)
         loads[:, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
-        exterior = self.rings.raised @ self.exterior_chi(by_layers[:, count:], edge)
+        exterior = self.rings.displacement @ self.exterior_chi(by_layers[:, count:], edge)
         coefficients = below.series @ S
         pressure = -added_forms(SAMPLES, count) @ coefficients[0]
         pressure[:, profile] += inverse[0, 0] * self._form(SAMPLES)
@@ -209,7 +209,7 @@ class RingOperators:
         S = np.repeat(-edges[:, None], nodes, axis=1)
         densities = S[..., edges.shape[1] - fields * nodes :].reshape(1 + fields, nodes, fields, nodes)
         for row in range(fields):
-            densities[1 + row, :, row] += self.rings.gathered
+            densities[1 + row, :, row] += self.rings.abel
         return np.asarray(by_layers[:, 1:] - by_layers[:, :1] + np.tensordot(self.channel_compliance, S, 1))
 
     def balanced(self, kernels: Array, by_layers: Array) -> tuple[Array, Array]:
@@ -281,7 +281,7 @@ class RingOperators:
         add_pieces(result, row, panel, np.swapaxes(share, 1, 2) @ near)
         size = self.rings.size.reshape(grid.panels, -1, 1)
         kernels = self._by_channels((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
-        return [kernels[:, 1 + row] @ self.rings.gathered for row in range(len(self.fields))]
+        return [kernels[:, 1 + row] @ self.rings.abel for row in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:
         """Break points of the rules around targets, rising, padded with the edge; (target, break)."""
@@ -315,7 +315,7 @@ class RingTable:
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Outputs at the interval's points; pressures and densities below the contact are the others."""
+        """Outputs at the interval's points; pressures and densities below the contact are only reported."""
         log_radii = np.zeros(1) if self.interval is None else self.interval.points
         result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
         rows = self.exact.rows

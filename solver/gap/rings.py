@@ -71,7 +71,7 @@ class Rings:
         return float(self.grid.limits[-1, 1])
 
     @cached_property
-    def gathered(self) -> Array:
+    def abel(self) -> Array:
         """Matrix from densities over their size to S at the nodes; (n, n)."""
         grid, theta = self.grid, self.grid.theta
         result = np.zeros((grid.count, grid.count))
@@ -115,7 +115,7 @@ class Rings:
         return self._integrated(induced)
 
     def interpolation(self, r: Array) -> Array:
-        """Matrix from densities over their size to densities at r > 1; (place, n)."""
+        """Matrix from densities over their size to densities at r > 1; (r, n)."""
         return np.asarray(self.grid.interpolation(np.arccosh(r)) / r[:, None] ** 2)
 
     def _integrated(self, function: Callable[[Array], Array]) -> Array:
@@ -123,7 +123,7 @@ class Rings:
         return self.grid.integrated(lambda theta: function(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
 
     @cached_property
-    def raised(self) -> Array:
+    def displacement(self) -> Array:
         """Matrix from F at the nodes to (2/pi) int_1^r F (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r; (n, n)."""
         grid, result = self.grid, np.zeros((self.grid.count, self.grid.count))
         for panel, rows, other, share in self._rules():

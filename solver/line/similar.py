@@ -23,7 +23,7 @@ from solver.line.windows import FIRST, LAST, Kind, number_of, searched, window
 from solver.stack.electroded import met
 
 _BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
-_MARGIN = 1.05  # ratio by which these lengths lie outside the contact's window, whose rough neighbours cannot tell
+_MARGIN = 1.05  # ratio to the contact's window beyond which rough tables can tell another length from the contact's
 
 
 @dataclass(frozen=True, eq=False)

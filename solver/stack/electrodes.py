@@ -60,7 +60,7 @@ class Electrode:
 
     @property
     def on_top(self) -> bool:
-        """Whether the electrode lies on the surface, where it has no patches."""
+        """True if the electrode lies on the surface, where it has no patches."""
         return self.interfaces == (_TOP,)
 
     @property
