@@ -313,7 +313,7 @@ class AirTable:
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Outputs at the half-lengths; edge stresses, pressures over their weight and densities are the others."""
+        """Outputs at the half-lengths; edge stresses, pressures over weight and densities are only reported."""
         operators = self.operators
         columns = operators.system.causes + len(operators.system.fields) * operators.density_nodes
         size = 8.0 * self.table.half_lengths.size * operators.rows * columns

@@ -121,7 +121,7 @@ def test_a_study_over_the_composition_of_an_alloy() -> None:
 
 def test_a_long_check_says_what_it_does(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(model, "SILENCE", 0.0)
-    monkeypatch.setattr(model, "_last", {})
+    monkeypatch.setattr(model, "_checked", {})
     model.named("quickstart")
     assert capfd.readouterr().err == "checking quickstart: solving the corners of its box and its effects\n"
 
