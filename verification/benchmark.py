@@ -247,7 +247,7 @@ def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -
     totals = 2 * np.pi * np.array([1.0, 1 / 3, 0.0, 1 / 3])  # integrals of these densities
 
     def fields(shape: Array) -> tuple[Array, float, Array, Array, Array]:
-    """Solve a grounded punch of gap (x^2 curvatures[0] + y^2 curvatures[1])/2 on a half-space without outer field.
+        """Return A, peak pressure, density of D_z, polynomials of u_z and of the punch's height over its apex."""
         axes = shape[[[0, 2], [2, 1]]]
         width = np.hypot(*(axes.T @ normals))
         c, s = axes.T @ normals / width
