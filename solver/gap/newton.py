@@ -49,13 +49,11 @@ class Factored:
     @cached_property
     def load_solutions(self) -> Array:
         """Solutions for unit right sides of the load and of each charge; (n, 3)."""
-        right = np.zeros((self.columns.size, 1 + _CHARGES))
-        right[0, 0] = 1.0
-        right[_FIRST_CHARGE + np.arange(_CHARGES), 1 + np.arange(_CHARGES)] = 1.0
-        return self.solve(right)
+        return self.solve(np.eye(self.columns.size)[:, _LOAD_ROWS])
 
 
-_FIRST_CHARGE, _CHARGES = 2, 2  # row of the first charge, behind load and smooth edge; largest number of charges
+_FIRST_CHARGE = 2  # row of the first charge, behind load and smooth edge
+_LOAD_ROWS = [0, _FIRST_CHARGE, _FIRST_CHARGE + 1]  # of the load and of two charges
 
 
 def solved(matrix: Array, right: Array) -> Array:
@@ -403,9 +401,7 @@ class Settled(Generic[_State]):
     def _changes(self) -> Array:
         """Changes of the unknowns for unit loads, force then charges; (case, unknown, 1 + charge)."""
         states, count = self.states, 1 + len(self.states.held)
-        right = np.zeros((states.unknowns.shape[1], count))
-        right[0, 0] = 1.0
-        right[_FIRST_CHARGE + np.arange(count - 1), 1 + np.arange(count - 1)] = 1.0
+        right = np.eye(states.unknowns.shape[1])[:, _LOAD_ROWS[:count]]
         chords = states.chords()
         result = np.stack([chord.load_solutions[:, :count] for chord in chords])
         result += _solved(chords, right - states.derivative(result))  # refined once, as in :func:`solved`

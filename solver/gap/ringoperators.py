@@ -149,12 +149,12 @@ class RingOperators:
         closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, by_layers = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - by_layers[:, count])
-        # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
-        of_power = inverse[:, 0] * self.shape.rise
-        closed[..., profile] = of_power[:, None]
+        # S of the profile is profile_S s^e: profile_S (1 - s^e), whose tractions are closed, less than at the edge
+        profile_S = inverse[:, 0] * self.shape.rise
+        closed[..., profile] = profile_S[:, None]
         S += closed
         loads = 4 * np.einsum("n,inc->ic", below.weights, S)
-        loads[:, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
+        loads[:, profile] -= 4 * profile_S * self.shape.exponent / (self.shape.exponent + 1)
         exterior = self.rings.displacement @ self.exterior_chi(by_layers[:, count:], edge)
         coefficients = below.series @ S
         pressure = -added_forms(SAMPLES, count) @ coefficients[0]
@@ -267,18 +267,18 @@ class RingOperators:
     def from_exterior(self, radius: float, targets: Array) -> list[Array]:
         """Kernel matrices of the layers from each field's exterior densities over size; (channel, target, node)."""
         # one rule per panel suffices for kernels that are smooth over it, and for the opposite side everywhere
-        grid, (s, share) = self.rings.grid, self.rings.rule
+        grid, (s, weights) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
         ends = np.cosh(self.rings.ends)
         broken = np.diff([np.searchsorted(row, ends, side="right") for row in breaks], axis=1) > 0
         kernels = self.rings.parity * self._pair_kernels.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._pair_kernels.at(radius * np.abs(targets[row, None] - s[panel]))
-        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
+        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ weights, -1, -2)  # (target, panel, node, pair)
         row, panel, start, stop = pieces(self.rings.ends, np.arccosh(breaks), broken)
-        s, share = self.rings.ruled(panel, start, stop)
+        s, weights = self.rings.ruled(panel, start, stop)
         near = self._pair_kernels.at(radius * np.abs(targets[row, None] - s))
-        add_pieces(result, row, panel, np.swapaxes(share, 1, 2) @ near)
+        add_pieces(result, row, panel, np.swapaxes(weights, 1, 2) @ near)
         size = self.rings.size.reshape(grid.panels, -1, 1)
         kernels = self._by_channels((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
         return [kernels[:, 1 + row] @ self.rings.abel for row in range(len(self.fields))]

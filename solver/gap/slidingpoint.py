@@ -242,13 +242,13 @@ class SlidingPoint:
         """Nodes b below and outside the contact, (b,), weights times phi, (3, b), and (eta phi_sigma, psi), (4, b)."""
         reach = self.at_rest.radius / self._operators.width
         rule = hankel.nodes(parts=4 + int(_PANELS_IN_B * reach), kinked=True)
-        exterior_b, interpolation = self.rings.rule
+        exterior_b, rule_weights = self.rings.rule
         within = np.concatenate([self.at_rest.density.at(rule.b)[0], self.sines(rule.b)])
         exterior = np.zeros((2, 3, exterior_b.size))
         at_rest, turned = (self.at_rest.operators.rings, self.at_rest.over_size), (self.rings, self.over_size)
         for number, (rings, densities) in enumerate((at_rest, turned)):
             S = (densities @ rings.abel.T / rings.size).reshape(len(densities), rings.grid.panels, -1)
-            exterior[number, self._conducted] = np.einsum("psn,fpn->fps", interpolation, S).reshape(len(densities), -1)
+            exterior[number, self._conducted] = np.einsum("psn,fpn->fps", rule_weights, S).reshape(len(densities), -1)
         weights = np.concatenate([within * rule.weights, _DENSITY_PER_S * exterior.reshape(6, -1)], 1)
         return np.append(rule.b, exterior_b), weights[:3], np.concatenate([self.friction * weights[:1], weights[3:]])
 

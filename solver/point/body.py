@@ -132,7 +132,8 @@ class Film:
     def _guess(self, loading: PointLoading) -> Array:
         """Initial radii from those on a half-space; (case,) [m]."""
         ratio = HalfSpace(self.kind.compliance, self.shape).radius(loading) / self.thickness
-        return np.asarray(np.minimum(ratio, np.sqrt(ratio)) * self.thickness)  # the root: wide ones on a stiff base
+        # the square root is nearer for a wide contact on a stiff base
+        return np.asarray(np.minimum(ratio, np.sqrt(ratio)) * self.thickness)
 
 
 @dataclass(frozen=True, eq=False)
