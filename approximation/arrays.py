@@ -1,4 +1,4 @@
-"""The array types of the house, and blocks of them."""
+"""Array types of all rooms, slices in blocks, and the values of table columns and masked arrays."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, TypeAlias
@@ -6,24 +6,18 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-#: Real numbers, in double precision.
 Array: TypeAlias = NDArray[np.float64]
-#: One flag a place.
 Flags: TypeAlias = NDArray[np.bool_]
-#: Whole numbers that say which.
 Indices: TypeAlias = NDArray[np.intp]
 
 
 def blocks(count: int, size: int) -> Iterator[slice]:
-    """Yield the slices that cut so many places into blocks, the last of which may be shorter."""
+    """Yield slices that cut `count` indices into blocks of `size`; the last block may be shorter."""
     return (slice(start, start + size) for start in range(0, count, size))
 
 
 def columns_of(values: Mapping[Any, Any]) -> dict[Any, Any]:
-    """Entries that are columns of one table (``pandas.Series``).
-
-    Their values belong together row by row, so that two of them with unlike indices raise a ``ValueError``.
-    """
+    """Return the entries that are columns of one table (``pandas.Series``); ValueError unless they share an index."""
     columns = {
         name: value
         for name, value in values.items()

@@ -1,7 +1,4 @@
-"""Measures of several fields at a point: the largest over branches of ``linear . s + |root s|``, with derivatives.
-
-Norms, largest eigenvalues of small symmetric matrices and one-sided values are of this kind. A measure is data alone.
-"""
+"""Measures of several fields at a point, such as norms and largest eigenvalues, with derivatives."""
 
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -16,7 +13,7 @@ _TINY = np.finfo(float).tiny
 
 
 class Bent(NamedTuple):
-    """A measure at points, with its slope and bend by the fields: (n,), (n, m), (n, m, m)."""
+    """Values (n,) of a measure, with first and second derivatives by the fields, (n, m) and (n, m, m)."""
 
     value: Array
     slope: Array
@@ -25,10 +22,10 @@ class Bent(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Measure:
-    """The largest over branches of ``linear . s + |root s|`` of the first m of some fields s."""
+    """Largest over branches of ``linear . s + |root s|``, a function of the first m fields s."""
 
-    linear: Array  # shape (branches, m); The linear part of every branch
-    root: Array  # shape (branches, rows, m); What the norm of every branch is taken of
+    linear: Array  # shape (branches, m)
+    root: Array  # shape (branches, rows, m)
 
     def __post_init__(self) -> None:
         branches, fields = np.shape(self.linear) if np.ndim(self.linear) == 2 else (0, 0)
@@ -39,7 +36,7 @@ class Measure:
 
     @property
     def fields(self) -> int:
-        """Number m of fields that it takes."""
+        """Number m of fields that the measure depends on."""
         return int(self.linear.shape[1])
 
     def of(self, fields: Array) -> Array:
@@ -60,7 +57,7 @@ class Measure:
         return np.broadcast_to(np.asarray(highest), (len(s), s.shape[2]))
 
     def bent(self, s: Array) -> Bent:
-        """Return the measure of fields s, (n, m), with its derivatives along the branch that is largest."""
+        """Return the measure of fields s, (n, m), with the derivatives of the largest branch."""
         branches, count, fields = self.root.shape
         inner = (s @ self.root.reshape(-1, fields).T).reshape(len(s), branches, count)
         norms = np.sqrt((inner * inner).sum(axis=2))
@@ -73,9 +70,9 @@ class Measure:
 
 
 def _product(row: Array, s: Floats) -> Floats:
-    """A combination of fields, (B, n); terms that are zero cost nothing."""
+    """Return the sum of fields s (B, >= m, n) with weights (m,), skipping zero weights: (B, n)."""
     return np.asarray(sum(weight * s[:, k] for k, weight in enumerate(row.tolist()) if weight))
 
 
-#: One field as it is.
+#: The measure that equals a single field.
 ITSELF = Measure(np.ones((1, 1)), np.zeros((1, 1, 1)))

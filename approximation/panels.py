@@ -1,4 +1,4 @@
-"""Panels of Chebyshev points side by side, in one or two coordinates; between the points fields are polynomials."""
+"""Adjacent panels of Chebyshev points in one or two coordinates, with polynomials between the points."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,14 +16,10 @@ from approximation.chebyshev import coefficients, gauss_points, mapped_points
 
 @dataclass(frozen=True)
 class Panels:
-    """A net of panels: rows of them along the second coordinate, each with the same ones along the first.
+    """Net of panels, whose points are ordered by row of panels, then by panel, then row by row in the panel."""
 
-    The points come panel by panel, row by row of panels, and in a panel row by row.
-    """
-
-    across: tuple[int, ...]  # Number of points of every panel along the first coordinate
-    # Number of points of every row of panels along the second; (1,): there is no such coordinate
-    down: tuple[int, ...] = (1,)
+    across: tuple[int, ...]  # number of points of every panel along the first coordinate
+    down: tuple[int, ...] = (1,)  # number of points of every row of panels along the second coordinate, if there is one
 
     def __post_init__(self) -> None:
         if not self.across or not self.down or min(self.across) < 2 or min(self.down) < 1:
@@ -36,50 +32,46 @@ class Panels:
 
     @cached_property
     def parts(self) -> tuple[tuple[int, int, slice], ...]:
-        """Number of points down and across of every panel, and its points."""
+        """Number of points down and across of every panel, and the slice of its points."""
         shapes = [(down, across) for down in self.down for across in self.across]
         ends = np.cumsum([0, *(down * across for down, across in shapes)]).tolist()
         return tuple((*shape, slice(*pair)) for shape, pair in zip(shapes, pairwise(ends), strict=True))
 
     def by_panel(self, values: Array) -> Array:
-        """Return values on a net of the points down and across, (..., down, across), in the points' order."""
+        """Return values on a net of all points, (..., down, across), in the points' order: (..., point)."""
         rows, columns = np.cumsum(self.down)[:-1], np.cumsum(self.across)[:-1]
         panels = [part for row in np.split(values, rows, -2) for part in np.split(row, columns, -1)]
         return np.concatenate([part.reshape(*part.shape[:-2], -1) for part in panels], -1)
 
     @cached_property
     def scan(self) -> "Scan":
-        """The points at which hills are looked for."""
-        samples = [(_some(down), np.arange(across)) for down, across, _ in self.parts]
+        """The points at which local maxima are searched: every other row of a panel, and its last row."""
+        sampled_rows = [np.union1d(np.arange(0, down, 2), [down - 1]) for down, _, _ in self.parts]
         points = [
-            (part.start + own_rows[:, None] * across + columns).ravel()
-            for (_, across, part), (own_rows, columns) in zip(self.parts, samples, strict=True)
+            (part.start + sampled[:, None] * across + np.arange(across)).ravel()
+            for (_, across, part), sampled in zip(self.parts, sampled_rows, strict=True)
         ]
         places = [
-            np.stack(np.meshgrid(gauss_points(across)[columns], gauss_points(down)[own_rows])).reshape(2, -1)
-            for (down, across, _), (own_rows, columns) in zip(self.parts, samples, strict=True)
+            np.stack(np.meshgrid(gauss_points(across), gauss_points(down)[sampled])).reshape(2, -1)
+            for (down, across, _), sampled in zip(self.parts, sampled_rows, strict=True)
         ]
-        shapes = tuple((len(own_rows), len(columns)) for own_rows, columns in samples)
-        panel = np.repeat(np.arange(len(points)), [len(rows) for rows in points])
+        shapes = tuple((len(sampled), across) for (_, across, _), sampled in zip(self.parts, sampled_rows, strict=True))
+        panel = np.repeat(np.arange(len(points)), list(map(len, points)))
         return Scan(shapes, np.concatenate(points), panel, *np.concatenate(places, axis=1))
 
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Some of the points of panels."""
+    """A subset of the points of panels."""
 
-    shapes: tuple[tuple[int, int], ...]  # Number of points down and across of every panel
-    points: Indices  # Which they are
-    # Panel and coordinates of every one
-    panel: Indices
-    across: Array
+    shapes: tuple[tuple[int, int], ...]  # number of points down and across of every panel
+    points: Indices  # numbers of the points
+    panel: Indices  # number of the panel of every point
+    across: Array  # coordinates of every point in its panel
     down: Array
 
     def hills(self, values: NDArray[np.floating[Any]]) -> NDArray[np.floating[Any]]:
-        """Return values (B, point) with those lower than a neighbour in their row or column put to -inf.
-
-        Neighbours lie in one panel.
-        """
+        """Return values (B, point), -inf where a neighbour in the same row or column of the panel is higher."""
         out = values.copy()
         for lower, upper in self._neighbours:
             first, second = values[:, lower], values[:, upper]
@@ -89,7 +81,7 @@ class Scan:
 
     @cached_property
     def _neighbours(self) -> list[tuple[Indices, Indices]]:
-        """Pairs of neighbours: along rows, and along columns."""
+        """First and second points of all neighbours along rows, and of all neighbours along columns."""
         pairs: tuple[list[Indices], list[Indices]] = ([], [])
         start = 0
         for down, across in self.shapes:
@@ -102,23 +94,18 @@ class Scan:
 
 
 def line(counts: Sequence[int], ends: Sequence[float]) -> Array:
-    """Return the coordinates of the points of panels side by side, (point,)."""
+    """Return the coordinates of the points of adjacent panels with the given `ends`, (point,)."""
     return np.concatenate([mapped_points(n, *pair) for n, pair in zip(counts, pairwise(ends), strict=True)])
 
 
-def _some(count: int) -> Indices:
-    """Points of a coordinate that are scanned, both ends with them."""
-    return np.union1d(np.arange(0, count, 2), [count - 1])
-
-
 def spacing(place: Array, count: int | Indices) -> Array:
-    """About the distance of Chebyshev points near a place."""
+    """Return the approximate distance of `count` Chebyshev points near a place in [-1, 1]."""
     angle = np.pi / count
     return np.asarray(angle * np.sqrt(np.maximum(1 - place**2, 0)) + angle**2 / 2)
 
 
 def rows(count: int, places: Array) -> Array:
-    """Return matrices from values at a panel's points to value and two derivatives at places (n,): (n, 3, count)."""
+    """Return matrices from values at a panel's points to the value and two derivatives at places: (n, 3, count)."""
     if count == 1:
         return np.tile([[1.0], [0.0], [0.0]], (len(places), 1, 1))
     T = np.cos(np.arccos(places)[:, None] * np.arange(count))
@@ -127,7 +114,7 @@ def rows(count: int, places: Array) -> Array:
 
 @cache
 def _derived(count: int) -> Array:
-    """Matrix from values at the points to Chebyshev coefficients of two derivatives as well; (count, 3 count)."""
+    """Matrix from values at the points to Chebyshev coefficients of function and two derivatives; (count, 3 count)."""
     series = coefficients(np.eye(count))
     derivatives = [chebder(series, m) if count > m else np.zeros((0, count)) for m in (0, 1, 2)]
     whole = [np.concatenate([matrix, np.zeros((count - len(matrix), count))]) for matrix in derivatives]
@@ -135,10 +122,7 @@ def _derived(count: int) -> Array:
 
 
 def jets(fields: Array, across: Array, down: Array) -> Array:
-    """Return values and derivatives of fields (n, m, down, across) at a place of each, told by `rows`: (n, m, 3, 3).
-
-    The last axes are the orders in the second and the first coordinate.
-    """
+    """Return fields (n, m, down, across) and their derivatives, by order down and across, (n, m, 3, 3), from `rows`."""
     n, m, height, width = fields.shape
     along = (fields.reshape(n, m * height, width) @ np.swapaxes(across, 1, 2)).reshape(n, m, height, 3)
     return np.asarray(down[:, None] @ along)

@@ -1,4 +1,4 @@
-"""Functions tabled at Chebyshev points: polynomials on an interval, and on panels side by side."""
+"""Functions tabulated at Chebyshev points: polynomials on an interval and on adjacent panels."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,12 +15,11 @@ from approximation.panels import line
 
 @dataclass(frozen=True)
 class Interval:
-    """An interval and its Chebyshev points."""
+    """An interval with `count` Chebyshev points."""
 
-    # Its ends
     low: float
     high: float
-    count: int  # Number of points
+    count: int
 
     @cached_property
     def points(self) -> Array:
@@ -33,7 +32,7 @@ class Interval:
         return polynomials(np.clip(local, -1.0, 1.0) if clipped else local, self.count).T
 
     def read(self, places: Array, series: Array, causes: Array | None = None) -> Array:
-        """Return series (count, ...) at places, or (count, ..., cause) of causes (place, cause): (place, ...)."""
+        """Return series (count, ...) at places: (place, ...); `causes` (place, cause) sum a last axis of the series."""
         weights = self.polynomials(places)
         if causes is None:
             return np.asarray(np.tensordot(weights, series, 1))
@@ -49,23 +48,23 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Piecewise:
-    """A function that is a polynomial on each of some panels."""
+    """A function that is a polynomial on every panel."""
 
-    ends: Array  # shape (panel + 1,); Ends of the panels, rising
+    ends: Array  # shape (panel + 1,); ends of the panels, rising
     series: Array  # shape (panel, count, ...); Chebyshev coefficients on every panel
 
     @classmethod
     def of(cls, values: Callable[[Array], Array], ends: Array, count: int, groups: Array | None = None) -> "Piecewise":
-        """Table a function on panels with ends (panel + 1,); panels of one group (panel,) are evaluated together."""
+        """Tabulate a function on panels with ends (panel + 1,), calling it once for each group (panel,) of panels."""
         parts: list[Array] = []
         marks = np.zeros(ends.size - 1) if groups is None else groups
         for first, last in pairwise([0, *(1 + np.flatnonzero(np.diff(marks))).tolist(), marks.size]):
-            tabled = values(line([count] * (last - first), ends[first : last + 1].tolist()))
-            parts.append(coefficients(tabled.reshape(last - first, count, *tabled.shape[1:]), axis=1))
+            tabulated = values(line([count] * (last - first), ends[first : last + 1].tolist()))
+            parts.append(coefficients(tabulated.reshape(last - first, count, *tabulated.shape[1:]), axis=1))
         return cls(ends, np.concatenate(parts))
 
     def at(self, places: Array, mixing: Array | None = None) -> Array:
-        """Return values at places (...) within the panels, or sums by mixing (output, mixed): (..., outputs)."""
+        """Return values at places (...) within the panels, (..., output), or their sums by mixing (output, mixed)."""
         flat, count = places.ravel(), self.series.shape[1]
         series = self.series.reshape(len(self.series), count, -1) if mixing is None else self.series @ mixing
         panel = np.searchsorted(self.ends[1:-1], flat, side="right")
@@ -75,14 +74,14 @@ class Piecewise:
         middle, half = (self.ends[1:] + self.ends[:-1]) / 2, np.diff(self.ends) / 2
         T = polynomials((flat[order] - middle[panels]) / half[panels], count).T
         sorted_values, out = np.empty((flat.size, series.shape[2])), np.empty((flat.size, series.shape[2]))
-        for coefficients_here, (start, stop) in zip(series, pairwise(bounds), strict=True):
+        for panel_series, (start, stop) in zip(series, pairwise(bounds), strict=True):
             if stop > start:
-                sorted_values[start:stop] = T[start:stop] @ coefficients_here
+                sorted_values[start:stop] = T[start:stop] @ panel_series
         out[order] = sorted_values
         return out.reshape(*places.shape, *(self.series.shape[2:] if mixing is None else mixing.shape[1:]))
 
     def halved(self, values: Callable[[Array], Array], which: Flags) -> "Piecewise":
-        """Return the function with marked panels, (panel,), cut in halves, which are tabulated again."""
+        """Return the function with the panels marked in `which`, (panel,), halved and tabulated again."""
         middles = (self.ends[:-1] + self.ends[1:]) / 2
         ends = np.sort(np.concatenate([self.ends, middles[which]]))
         series, count = np.repeat(self.series, 1 + which, axis=0), self.series.shape[1]
@@ -93,7 +92,7 @@ class Piecewise:
         return Piecewise(ends, series)
 
     def mirrored(self, odd: Flags) -> "Piecewise":
-        """Return the function on both sides of its first end, 0, its outputs odd, (output,), or even."""
+        """Return the function continued below its first end, 0, its outputs odd where marked, (output,), else even."""
         signs = (-1.0) ** np.arange(self.series.shape[1])[:, None] * np.where(odd, -1.0, 1.0)
         ends = np.concatenate([-self.ends[:0:-1], self.ends])
         return Piecewise(ends, np.concatenate([signs * self.series[::-1], self.series]))

@@ -1,4 +1,4 @@
-"""Products of Chebyshev polynomials of several coordinates, each known by its degrees."""
+"""Products of Chebyshev polynomials of several coordinates, each given by its degrees."""
 
 from collections.abc import Sequence
 
@@ -41,12 +41,12 @@ def derivatives(t: Array, T: Array) -> Array:
 
 
 def product(degrees: Indices, T: Array, S: Array | None = None, derived: int = -1) -> Array:
-    """Return products, (m, B), of degrees (m, d) of polynomials T, (count, d, B), one of them in its derivative S."""
+    """Return products of polynomials T (count, d, B) with degrees (m, d), S replacing T for input `derived`: (m, B)."""
     whole = np.ones((len(degrees), T.shape[2]))
     for k, degree in enumerate(degrees.T):
         if S is not None and k == derived:
             whole *= S[degree, k]
         else:
-            held = np.flatnonzero(degree)  # T_0 is one
-            whole[held] *= T[degree[held], k]
+            nonzero = np.flatnonzero(degree)  # T_0 is one
+            whole[nonzero] *= T[degree[nonzero], k]
     return whole

@@ -1,4 +1,4 @@
-"""Points of Sobol's sequence, which fill a cube evenly."""
+"""Sobol' sequences, whose points fill a cube evenly."""
 
 import scipy  # scipy.stats, slow to import, when points are asked for
 
@@ -6,6 +6,6 @@ from approximation.arrays import Array
 
 
 def sobol_points(count: int, dimension: int, seed: int | None = 0) -> Array:
-    """The first points, of shape ``(count, dimension)``, in the unit cube; in [-1, 1]: twice them less one."""
+    """Return the first points of a Sobol' sequence in the unit cube, (count, dimension); no seed: not scrambled."""
     sequence = scipy.stats.qmc.Sobol(dimension, scramble=seed is not None, rng=seed)
     return sequence.random(count)

@@ -1,4 +1,4 @@
-"""Newton's iteration to the top of a measure of fields on a panel, all of a block of curves at once."""
+"""Maximum of a measure of fields on panels by Newton's iteration, for many curves at once."""
 
 from dataclasses import dataclass
 
@@ -10,28 +10,24 @@ from approximation.measure import Bent, Floats, Measure
 from approximation.panels import jets, rows, spacing
 
 STEPS = 10
-# a step of Newton's iteration, in the half-width of a panel: the next is of its square
+# last steps of Newton's iteration, in half-widths of a panel: the next step would be of the order of the square
 CLOSE, CLOSEST = 3e-4, 1e-8
-CLIMBED, RIVAL = 6, 0.1  # hills that are climbed, and how far below the highest their best points may lie
-_ALIKE = 1e-9  # relative difference up to which two tops are equals
+CLIMBED, RIVAL = 6, 0.1  # most local maxima that are climbed, and how far below the highest their points may lie
+_EQUAL = 1e-9  # relative difference up to which two maxima are equal
 
 
 @dataclass(frozen=True, eq=False)
 class Top:
-    """Location of a measure's maximum on each of several fields, (n,), in the panel's coordinates."""
+    """Maximum of a measure on each of n curves, (n,)."""
 
-    panel: Indices  # Number of the panel
-    # Coordinates in [-1, 1]
-    across: Array
+    panel: Indices  # number of the panel
+    across: Array  # coordinates in the panel, in [-1, 1]
     down: Array
-    value: Array  # The measure there
+    value: Array  # the measure at its maximum
 
 
 def highest(fields: Array, counts: tuple[int, ...], measure: Measure) -> Top:
-    """Find where a measure of fields (n, m, down, across) is largest on panels side by side, from several hills.
-
-    Of tops that are equal but for rounding, the first from the left is given.
-    """
+    """Return the maximum of a measure of fields (n, m, down, across) on adjacent panels; of equal ones the leftmost."""
     ends = np.cumsum((0, *counts))
     curves, down, across = _hills(measure.values(fields.reshape(*fields.shape[:2], -1)), fields.shape[2], ends)
     panel = np.searchsorted(ends, across, "right") - 1
@@ -47,14 +43,14 @@ def highest(fields: Array, counts: tuple[int, ...], measure: Measure) -> Top:
             tops[:, members] = climb(part, measure, start, CLOSEST)
     value = np.full(len(fields), -np.inf)
     np.maximum.at(value, curves, tops[2])
-    alike = np.flatnonzero(tops[2] >= (value - _ALIKE * np.abs(value))[curves])
-    order = alike[np.lexsort((2 * panel[alike] + tops[0, alike], curves[alike]))]
+    equal = np.flatnonzero(tops[2] >= (value - _EQUAL * np.abs(value))[curves])
+    order = equal[np.lexsort((2 * panel[equal] + tops[0, equal], curves[equal]))]
     first = order[np.searchsorted(curves[order], np.arange(len(fields)))]
     return Top(panel[first], tops[0, first], tops[1, first], value)
 
 
 def _hills(values: Floats, down: int, ends: Indices) -> tuple[Indices, Indices, Indices]:
-    """Curve, row and column of points that are no lower than those beside them in their panel; the highest few."""
+    """Return curve, row and column of the highest points that no neighbour in their panel exceeds."""
     net = np.pad(values.reshape(len(values), down, -1), ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     inner = net[:, 1:-1, 1:-1]
     hill = (inner >= net[:, :-2, 1:-1]) & (inner >= net[:, 2:, 1:-1])
@@ -73,15 +69,15 @@ def _hills(values: Floats, down: int, ends: Indices) -> tuple[Indices, Indices, 
 def climb(
     fields: Array, measure: Measure, start: tuple[Array, Array], close: float = CLOSE
 ) -> tuple[Array, Array, Array]:
-    """Return coordinates and measure of the highest points that climbs on fields (n, m, down, across) meet."""
+    """Return coordinates and measure, (n,) each, of the highest point of every climb on fields (n, m, down, across)."""
     counts = fields.shape[3], fields.shape[2]
     (u, v), active = start, np.arange(len(fields))
     best = np.stack([u, v, np.full(len(u), -np.inf)])
     for _ in range(STEPS):
         jet = jets(fields, rows(counts[0], u), rows(counts[1], v))
         bent = measure.bent(jet[..., 0, 0])
-        gradient, bends = hill(jet, bent)
-        step = _step(gradient, bends, u, v, counts)
+        gradient, curvature = gradient_curvature(jet, bent)
+        step = _step(gradient, curvature, u, v, counts)
         point = np.array([u, v])
         ahead = np.minimum(np.maximum(point + step, -1.0), 1.0)
         last = np.abs(step).max(axis=0) < close
@@ -100,8 +96,8 @@ def climb(
     return best[0], best[1], best[2]
 
 
-def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
-    """Return gradient, (2, n), and curvature of uu, vv and uv, (3, n), of a measure, from `panels.jets` of fields."""
+def gradient_curvature(jet: Array, bent: Bent) -> tuple[Array, Array]:
+    """Return gradient, (2, n), and second derivatives uu, vv, uv, (3, n), of a measure from `panels.jets` of fields."""
     slope, steep = bent.slope, jet[..., [0, 1], [1, 0]]  # by u, by v: (n, m, 2)
     gradient = np.asarray(slope[:, None] @ steep)[:, 0].T
     quadratic = np.swapaxes(steep, 1, 2) @ bent.bend @ steep
@@ -109,24 +105,24 @@ def hill(jet: Array, bent: Bent) -> tuple[Array, Array]:
     return gradient, (seconds + quadratic[:, [0, 1, 0], [0, 1, 1]]).T
 
 
-def held(place: Array, slope: Array, count: int | Indices) -> Flags:
-    """Mark coordinates (n,) that an end of the panel holds, as the measure rises beyond it, or that the panel lacks."""
+def at_bound(place: Array, slope: Array, count: int | Indices) -> Flags:
+    """Mark coordinates (n,) at a panel's end beyond which the measure rises, and coordinates that the panel lacks."""
     return np.asarray(((np.abs(place) >= 1) & (place * slope > 0)) | (np.asarray(count) == 1))
 
 
-def _step(gradient: Array, bends: Array, u: Array, v: Array, counts: tuple[int, int]) -> Array:
-    """Newton's step, (2, n), uphill and no longer than points lie apart; along an end of the panel that holds it."""
-    uu, vv, uv = bends
+def _step(gradient: Array, curvature: Array, u: Array, v: Array, counts: tuple[int, int]) -> Array:
+    """Return Newton's step uphill, (2, n), at most the spacing of the points; coordinates at a bound stay there."""
+    uu, vv, uv = curvature
     places, sizes = np.array([u, v]), np.array(counts)[:, None]
-    fixed = held(places, gradient, sizes)
+    fixed = at_bound(places, gradient, sizes)
     gradient = np.where(fixed, 0.0, gradient)
     gu, gv = gradient
-    room = spacing(places, sizes)
-    # not on top of a hill: each coordinate by its own curvature, its sign made that of one
-    alone = gradient / np.maximum(np.abs(bends[:2]), np.abs(gradient) / room + 1e-300)
+    longest = spacing(places, sizes)
+    # where the curvature is not that of a maximum, each coordinate steps by the size of its own curvature
+    step = gradient / np.maximum(np.abs(curvature[:2]), np.abs(gradient) / longest + 1e-300)
     determinant = uu * vv - uv**2
-    whole = (uu < 0) & (determinant > 0) & ~fixed.any(axis=0)
-    if not whole.any():
-        return np.minimum(np.maximum(alone, -room), room)
-    newton = np.array([uv * gv - vv * gu, uv * gu - uu * gv]) / np.where(whole, determinant, 1.0)
-    return np.minimum(np.maximum(np.where(whole, newton, alone), -room), room)
+    concave = (uu < 0) & (determinant > 0) & ~fixed.any(axis=0)
+    if concave.any():
+        newton = np.array([uv * gv - vv * gu, uv * gu - uu * gv]) / np.where(concave, determinant, 1.0)
+        step = np.where(concave, newton, step)
+    return np.minimum(np.maximum(step, -longest), longest)

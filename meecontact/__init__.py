@@ -1,6 +1,4 @@
-"""Everything public under one name: the exact solver and the surrogate.
-
-The rooms themselves stand here, too: ``meecontact.solver.names`` is the module ``solver.names``, not a copy of it.
+"""Public names of the exact solver and the surrogate, and all rooms: ``meecontact.solver`` is ``solver``, not a copy.
 
 Examples
 --------
@@ -28,7 +26,7 @@ _ROOMS = ("approximation", "solver", "storage", "surrogate", "verification", "wo
 
 
 def _check_rooms() -> None:
-    """Refuse modules of others under the names of the rooms, which a file `solver.py` of one's own is enough for."""
+    """Refuse foreign modules under the names of the rooms, such as a user's own file `solver.py`."""
     root = Path(__file__).parents[1]
     for room in _ROOMS:
         spec = find_spec(room)
@@ -54,7 +52,7 @@ __all__ = [*solver.__all__, *surrogate.__all__]
 
 
 class _Same(Loader):
-    """Gives a module that stands under another name, and leaves it as it is."""
+    """Loads a module under a second name without changing it."""
 
     def __init__(self, name: str) -> None:
         self.module = import_module(name)
@@ -64,11 +62,11 @@ class _Same(Loader):
         return self.module
 
     def exec_module(self, module: ModuleType) -> None:
-        module.__spec__ = self.spec  # which the import system has just replaced
+        module.__spec__ = self.spec  # the import system has just replaced it
 
 
 class _Rooms(MetaPathFinder):
-    """Finds ``meecontact.<room>`` and all below it as what stands at the top."""
+    """Finds ``meecontact.<room>.<module>`` as the module ``<room>.<module>``."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None

@@ -39,7 +39,7 @@ __all__ = [
     "table",
 ]
 
-# imported when asked for: a job that needs only `solver.names` is often shorter than the imports of the solution
+# imported at first use: a job that needs only `solver.names` is often shorter than the imports of the solution
 _NAMES = {
     "face.refusal": ("CaseError", "FactorError", "SmallStrainWarning"),
     "face.solution": ("solve", "solve_curves", "solve_interior"),

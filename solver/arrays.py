@@ -1,4 +1,4 @@
-"""The array types of the room, and the small operations that every module needs."""
+"""Types of arrays, and small operations on them, for every room of the solver."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
@@ -23,14 +23,14 @@ Points = TypeVar("Points", Array, ComplexArray)
 Scalar = TypeVar("Scalar", bound=np.generic)
 Record = TypeVar("Record", bound="DataclassInstance")
 
-_LONGEST = 60  # characters of a value that a message quotes
+_LONGEST = 60  # most characters of a value that a message quotes
 #: Words that people use for names of factors and their values.
 SYNONYMS = {"ball": "sphere", "indenter": "punch", "substrate": "base", "grounded": "conducting", "vacuum": "insulated"}
-_NEAR = 0.65  # share of common letters: below it lie other words, as mass and base, or PMMA and PDMS
+_NEAR = 0.65  # least share of common letters: mass and base, or PMMA and PDMS, are different words
 
 
 def is_finite(value: object) -> TypeGuard[SupportsFloat]:
-    """Return whether a plain value is a finite real number and no truth value."""
+    """Return whether a plain value is a finite real number, and not a truth value."""
     try:
         return not isinstance(value, bool | np.bool_) and isinstance(value, Real) and bool(np.isfinite(float(value)))
     except OverflowError:
@@ -38,13 +38,13 @@ def is_finite(value: object) -> TypeGuard[SupportsFloat]:
 
 
 def shown(value: object) -> str:
-    """A value at fault as messages quote it: in one line, and no more than its beginning."""
+    """Return a faulty value as messages quote it, in one line and cut to its beginning."""
     text = str(value)
     return repr(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")
 
 
 def nearest(name: object, known: Collection[str]) -> str | None:
-    """Known name that a misspelt name probably means; None if none is near."""
+    """Return the known name that a misspelt name probably means, or None."""
     word = SYNONYMS.get(str(name).casefold())
     return word if word in known else next(iter(get_close_matches(str(name), known, 1, _NEAR)), None)
 
@@ -55,55 +55,49 @@ def dot(first: Array, second: Array) -> Array:
 
 
 def distinct_rows(rows: Array) -> tuple[Array, NDArray[np.intp]]:
-    """Rows that differ, sorted, and which of them each row is; (distinct, n) and (row,).
-
-    Only columns that vary are sorted: of many cases of one body, none.
-    """
-    varying = np.flatnonzero(np.any(rows != rows[:1], axis=0))
+    """Return the distinct rows, sorted (distinct, n), and the index of each row among them (row,)."""
+    varying = np.flatnonzero(np.any(rows != rows[:1], axis=0))  # often none: many cases share one body
     if not varying.size:
         return rows[:1], np.zeros(len(rows), dtype=np.intp)
-    _, first, which = np.unique(rows[:, varying], axis=0, return_index=True, return_inverse=True)
-    return rows[first], which.ravel()
+    _, first, index = np.unique(rows[:, varying], axis=0, return_index=True, return_inverse=True)
+    return rows[first], index.ravel()
 
 
 def joined(parts: Sequence[tuple[Indices, Mapping[str, Array]]], count: int) -> dict[str, Array]:
-    """Outputs of all cases from those of some, as far as all parts have them; (case, ...) each."""
-    (_, first), *others = parts
-    whole = {}
+    """Join outputs of parts of the cases, as far as all parts have them; (case, ...) each."""
+    (_, first), *following = parts
+    result = {}
     for name, values in first.items():
-        if all(name in outputs for _, outputs in others):
-            whole[name] = np.empty((count, *values.shape[1:]))
-            for places, outputs in parts:
-                whole[name][places] = outputs[name]
-    return whole
+        if all(name in outputs for _, outputs in following):
+            result[name] = np.empty((count, *values.shape[1:]))
+            for cases, outputs in parts:
+                result[name][cases] = outputs[name]
+    return result
 
 
-def selected(record: Record, places: slice | Indices, *names: str) -> Record:
-    """A dataclass of arrays over cases with some of the cases; an array that is None stays so."""
+def selected(record: Record, cases: slice | Indices, *names: str) -> Record:
+    """Return a dataclass whose named arrays over cases, unless None, hold the selected cases."""
     arrays = {name: getattr(record, name) for name in names}
-    return replace(record, **{name: values[places] for name, values in arrays.items() if values is not None})
+    return replace(record, **{name: values[cases] for name, values in arrays.items() if values is not None})
 
 
 def column(values: Array) -> Array:
-    """Values of the case axes (...) as (..., 1, 1), to multiply matrices."""
+    """Reshape values (...) to (..., 1, 1), to multiply matrices."""
     return values[..., None, None]
 
 
 def stack(*values: NDArray[Scalar]) -> NDArray[Scalar]:
-    """Values that broadcast against each other, along a new last axis."""
+    """Stack values that broadcast against each other along a new last axis."""
     return np.stack(np.broadcast_arrays(*values), -1)
 
 
 def components(vector: Array) -> list[Array]:
-    """Components of (..., n) as n arrays (..., 1), ready for a position axis."""
+    """Split (..., n) into n arrays (..., 1), which broadcast over an axis of positions."""
     return [vector[..., j, None] for j in range(vector.shape[-1])]
 
 
 def power_series(coefficients: Array, x: Points) -> Points:
-    """Sum of coefficients[..., k] x^k (Horner), (..., point).
-
-    coefficients: (..., degree + 1); x: (..., point); case axes of both broadcast.
-    """
+    """Sum of coefficients (..., degree + 1) times x^k at x (..., point), by Horner's rule; (..., point)."""
     value: Any = coefficients[..., -1, None]
     for k in range(coefficients.shape[-1] - 2, -1, -1):
         value = value * x + coefficients[..., k, None]

@@ -1,7 +1,7 @@
-"""Kinds of bodies under a punch: what each is given and answers, by capabilities that have names.
+"""Kinds of bodies under a punch: factors, quantities and properties of each.
 
-A new kind of body is one entry of ``KINDS``, the rule in :func:`kind_of` that tells its cases by their factors, and a
-class of ``face/solution.py``. Nothing else asks which kind a case is: what differs is asked for by its name here.
+A new kind of body is one entry of ``KINDS``, a rule in :func:`kind_of` that recognises its cases by their factors, and
+a class in ``face/solution.py``. Other code asks for the properties here, never for the kind itself.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -16,69 +16,68 @@ from solver.material.constants import Material, MaterialError
 from solver.material.library import find, materials
 from solver.stack.layers import Stack
 
-#: What depths and potentials refer to: a datum, nothing but themselves, or either, as base and interface decide.
+#: Depths and potentials are relative to a datum, absolute, or either, depending on base and interface.
 Datum = Literal["relative", "absolute", "by_base"]
 
 
-#: Profiles beside which a narrow gap opens: that ends with the punch, and that ends where a factor says.
+#: Profiles with a narrow gap beside the contact: one that ends with the punch, and one that ends at a factor.
 _ENDED, _ENDLESS, _END = ("cylinder", "sphere"), ("cone", "power"), "gap_radius"
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of body, and how a punch touches it."""
+    """A kind of body and of its contact with a punch."""
 
     name: str  # As titles call it
-    contact: Contact  # Whether a contact is a line, per metre of which loads are given, or a point
-    datum: Datum  # What its depths and potentials refer to
-    # Quantities that its cases may have: those that come together, and those that are searched for
+    contact: Contact  # Along a line, whose loads are per metre, or at a point
+    datum: Datum  # Reference of depths and potentials
+    # Quantities that its cases may have: those solved together, and those that are searched for
     quantities: dict[str, Described]
     peaks: dict[str, Described]
-    regions: tuple[str, ...]  # Names of ``solver.curves.REGIONS`` that its peaks may follow from
+    regions: tuple[str, ...]  # Names of ``solver.curves.REGIONS`` whose curves may give its peaks
     space: bool = False  # Whether its contact has no axis of revolution: a point contact whose surface is a map
     layered: bool = False  # Whether it has a top layer with a thickness, on a base
     air: bool = False  # Whether the air beside its contact carries charge
     factors: tuple[str, ...] = ()  # Factors that no other kind has
-    # Numeric factors for whose every value the solver makes tables; empty for a closed form
-    tabled: tuple[str, ...] = ()
-    method: str = ""  # What a solution's source says of it beside the closed form
+    tabled: tuple[str, ...] = ()  # Numeric factors whose every value has its own tables; empty for a closed form
+    method: str = ""  # Addition to the method in a solution's source
 
     @property
     def touch(self) -> "Touch":
-        """How a punch touches it: along a line, at a point of revolution, or in space."""
+        """Contact along a line, at a point of revolution, or in space."""
         return "space" if self.space else self.contact
 
     @property
     def loads(self) -> Loads:
-        """The factors that press and charge its punch; their units are those of ``solver.names.FACTORS``."""
+        """Factors of the force and the charges of the punch."""
         return names.CONTACTS[self.contact]
 
     @property
     def ends(self) -> tuple[str, str]:
-        """The quantities that its contact extends to the trailing and to the leading side by."""
+        """Quantities of the contact's extent to the trailing and to the leading side."""
         return ("contact_length_x", "contact_length_x") if self.space else names.ENDS[self.contact]
 
     def extents(self, solved: Mapping[str, Any]) -> tuple[Any, Any]:
-        """How far a contact extends to the trailing and to the leading side [m]: half of a length in space."""
-        share = 0.5 if self.space else 1.0
+        """Extents of a contact to the trailing and to the leading side [m], in space half of its length."""
+        factor = 0.5 if self.space else 1.0
         trailing, leading = self.ends
-        return share * solved[trailing], share * solved[leading]
+        return factor * solved[trailing], factor * solved[leading]
 
     @property
     def fields(self) -> Mapping[str, Described]:
-        """Fields that its surface may have."""
+        """Fields on the surface."""
         if self.space:
             return {name: POINT_FIELDS[name] for name in ("contact_pressure", "electric_displacement")}
         return FIELDS if self.contact == "line" else POINT_FIELDS
 
     @property
     def unbounded(self) -> str:
-        """Word for a body without layers."""
+        """Name of a body without layers."""
         return "half-space" if self.contact == "point" else "half-plane"
 
     @property
     def every_quantity(self) -> dict[str, Described]:
-        """Quantities with unit and meaning, those with that are searched for."""
+        """Quantities with unit and meaning, including those that are searched for."""
         return {**self.quantities, **self.peaks}
 
 
@@ -182,7 +181,7 @@ _KINDS = (
     HALF_PLANE, FILM, HALF_PLANE_IN_AIR, FILM_IN_AIR, HALF_SPACE, POINT_FILM, HALF_SPACE_IN_AIR, POINT_FILM_IN_AIR,
     SPACE, SPACE_ON_LAYERS, SPACE_IN_AIR, SPACE_ON_LAYERS_IN_AIR,
 )  # fmt: skip
-#: How a punch touches a body: along a line, at a point of revolution, or in space.
+#: Contact along a line, at a point of revolution, or in space.
 Touch = Literal["line", "point", "space"]
 #: Kinds by contact, by whether the body is layered, and by whether air beside the contact carries charge.
 KINDS: dict[tuple[Touch, bool, bool], Kind] = {(kind.touch, kind.layered, kind.air): kind for kind in _KINDS}
@@ -194,7 +193,7 @@ def kind_of(
     surroundings: object = names.CHOICES["surroundings"][0],
     materials: Iterable[object] = (),
 ) -> Kind:
-    """The kind of a case; of a sphere, cone or disc on a cut crystal by its ``cut`` or one of its materials."""
+    """Return the kind of a case; on a cut (by factor or material) a sphere, cone or disc is a contact in space."""
     outline = names.PROFILES[profile if isinstance(profile, str) and profile in names.PROFILES else "cylinder"]
     space = outline.space or (profile in names.ON_CUTS and ("cut" in factors or any(map(is_cut, materials))))
     layered = names.BODY in factors or "thickness" in factors
@@ -202,12 +201,12 @@ def kind_of(
 
 
 def solids(case: Mapping[str, object]) -> list[object]:
-    """Material, base and stack of a case, as far as its factors name them."""
+    """Return material, base and stack of a case, as far as its factors name them."""
     return [case[name] for name in ("material", "base", names.BODY) if name in case]
 
 
 def is_cut(material: object) -> bool:
-    """Return whether a material, a built-in one's name or a stack is a crystal that only contacts in space take."""
+    """Return whether a material, its built-in name or a stack is a crystal for contacts in space alone."""
     if isinstance(material, Stack):
         base = [] if isinstance(material.base, str) else [material.base]
         return any(map(is_cut, [*(layer.material for layer in material.layers), *base]))
@@ -216,32 +215,33 @@ def is_cut(material: object) -> bool:
 
 @cache
 def _named_cut(name: str) -> bool:
+    """Return whether a built-in material is a crystal for contacts in space alone."""
     try:
         return not find(name).axial
     except MaterialError:
-        return False  # refused, or one of the user's, when the material is looked up
+        return False  # one of the user's, or refused when the material is looked up
 
 
 def airless(case: Mapping[str, object]) -> str:
-    """Why no air can be beside the contact of a case, as far as its factors tell; empty where it can."""
+    """Return the reason why a case, by its factors, cannot have air beside its contact; empty if it can."""
 
-    def of(name: str) -> object:
+    def choice(name: str) -> object:
         return case.get(name, names.CHOICES[name][0])
 
-    if of("magnetic") == "insulating" and (of("electric") == "insulating" or _metallic(case)):
+    if choice("magnetic") == "insulating" and (choice("electric") == "insulating" or _metallic(case)):
         return "the punch conducts no field, so that no charge lies beside it"
-    if of("electrode") != names.CHOICES["electrode"][0]:
+    if choice("electrode") != names.CHOICES["electrode"][0]:
         return "the electrode on its film lies below the punch"
     if ({*names.OF_AN_ELECTRODE} - {"electrode"}) & case.keys():
         return "what an electrode of its film collects is not solved with air"
-    profile = of("profile")
-    of_user = not isinstance(profile, str) and all(getattr(profile, "smooth", (False,)))  # a profile of one's own
-    if not of_user and profile not in _ENDED and not (profile in _ENDLESS and _END in case):
+    profile = choice("profile")
+    is_smooth = not isinstance(profile, str) and all(getattr(profile, "smooth", (False,)))  # a profile of the user
+    if not is_smooth and profile not in _ENDED and not (profile in _ENDLESS and _END in case):
         return f"no narrow gap with an end lies beside its punch ({profile})"
     body = case.get(names.BODY)
     stack = body if isinstance(body, Stack) else None
-    sideways = of("interface_magnetic") == "insulated" or (stack and stack.insulated)
-    if sideways and of("magnetic") == "conducting":
+    sideways = choice("interface_magnetic") == "insulated" or (stack and stack.insulated)
+    if sideways and choice("magnetic") == "conducting":
         return "flux leaves its film sideways without end, for its base is magnetically insulated"
     return ""
 
@@ -256,10 +256,7 @@ def _metallic(case: Mapping[str, object]) -> bool:
 
 
 def around(case: Mapping[str, object]) -> str:
-    """Surroundings of a case that names none: air around the contact on a film where possible.
-
-    Beside a half-plane or a half-space, as in the seed's problem, there is no charge.
-    """
+    """Return the default surroundings of a case: air in space and on films where possible, else insulated."""
     kind = kind_of(case, case.get("profile", "cylinder"), materials=solids(case))
     if kind.space:
         return names.AIR

@@ -1,7 +1,7 @@
-"""Results that the solver keeps between calls: the most recently used ones, together below a bound in bytes.
+"""Cache of the solver's results: the most recently used ones, below a bound in bytes.
 
-A table fills itself when it is read, so that the sizes of all results are summed anew from time to time, for at most
-2 % of the time: when a result is stored and after a call of the solver.
+Stored tables grow when they are read. So the sizes of all results are summed again when a result is stored and after a
+call of the solver, for at most 2 % of the time.
 """
 
 from collections import OrderedDict
@@ -16,22 +16,22 @@ from typing import Any, Generic, ParamSpec, TypeVar
 
 import numpy as np
 
-LARGEST = 300e6  # bytes of all results: four jobs and a notebook fit into 2 GB beside each other
+LARGEST = 300e6  # bytes of all results: four jobs and a notebook fit into 2 GB
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 _NO_DATA = (type, ModuleType, FunctionType, BuiltinFunctionType, MethodType)
-_OBJECT = 100  # bytes of an object that is no array, with its share of dictionaries
-_APART = 50  # durations of a sum that pass before the next one: tables fill more slowly
+_OBJECT = 100  # bytes of an object other than an array, with its share of dictionaries
+_PAUSE = 50  # time from one sum to the next, in durations of a sum: tables grow more slowly
 
 _lock = RLock()
 _results: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()  # arguments and result, the oldest first
-_used = False  # whether a result was read or stored since the last sum: tables fill themselves
+_used = False  # whether a result was read or stored since the last sum: reading makes tables grow
 _next = 0.0  # processor time of the next sum [s]
 
 
 class Cached(Generic[_P, _R]):
-    """A function whose results are kept; its arguments must be hashable."""
+    """A function of hashable arguments whose results are stored."""
 
     def __init__(self, function: Callable[_P, _R]) -> None:
         self.misses = 0
@@ -39,7 +39,7 @@ class Cached(Generic[_P, _R]):
         update_wrapper(self, function)
 
     def __call__(self, *args: _P.args, **kwargs: _P.kwargs) -> _R:
-        """The result, computed only where it is not kept."""
+        """Return the stored result, or compute and store it."""
         key = (self._function, args, tuple(kwargs.items()))
         global _used
         with _lock:
@@ -56,7 +56,7 @@ class Cached(Generic[_P, _R]):
         return result
 
     def clear(self) -> None:
-        """Forget every result of the function."""
+        """Drop every result of the function."""
         global _next
         with _lock:
             _next = 0.0
@@ -65,18 +65,18 @@ class Cached(Generic[_P, _R]):
 
 
 def cached(function: Callable[_P, _R]) -> Cached[_P, _R]:
-    """A function whose results are kept as long as they are among the most recently used."""
+    """Return a function whose most recently used results are stored."""
     return Cached(function)
 
 
 def trim_at_times() -> None:
-    """Drop what is beyond the bound, if any result was read or stored since a sum that was long ago."""
+    """Call :func:`trim` if the last sum was long ago and a result was read or stored since."""
     if _used and process_time() >= _next:
         trim()
 
 
 def trim() -> float:
-    """Drop the least recently used results beyond the bound; bytes of those that stay."""
+    """Drop the least recently used results beyond the bound, and return the bytes of the others."""
     global _used, _next
     start = process_time()
     with _lock:
@@ -90,7 +90,7 @@ def trim() -> float:
                 total += size
                 counted |= objects
         end = process_time()
-        _next = end + _APART * (end - start)
+        _next = end + _PAUSE * (end - start)
     if dropped:
         _return_memory()(0)
     return total
@@ -98,27 +98,27 @@ def trim() -> float:
 
 @cache
 def _return_memory() -> Callable[[int], object]:
-    """The C library's function that returns freed memory to the system: glibc holds memory between arrays in use."""
+    """Return the C library's function that frees memory for the system; glibc keeps it between arrays in use."""
     trimmed: Callable[[int], object] = getattr(CDLL(None), "malloc_trim", int)
     return trimmed
 
 
 def _size(entry: object, counted: set[int]) -> tuple[float, set[int]]:
-    """Bytes of an entry, without objects counted before, and the identities of its other objects."""
-    size, waiting, objects = 0.0, [entry], set[int]()
-    while waiting:
-        value = waiting.pop()
+    """Bytes of an entry, and identities of its objects, without those counted before."""
+    size, pending, objects = 0.0, [entry], set[int]()
+    while pending:
+        value = pending.pop()
         if id(value) in counted or id(value) in objects or isinstance(value, _NO_DATA):
             continue
         objects.add(id(value))
         size += _OBJECT
         if isinstance(value, np.ndarray):
             if isinstance(value.base, np.ndarray):
-                waiting.append(value.base)
+                pending.append(value.base)
             elif value.base is None:
                 size += value.nbytes
             if value.dtype == object:
-                waiting.extend(value.ravel().tolist())
+                pending.extend(value.ravel().tolist())
         else:
-            waiting.extend(get_referents(value))
+            pending.extend(get_referents(value))
     return size, objects

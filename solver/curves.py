@@ -1,8 +1,7 @@
-"""Curves whose largest values are peaks: which fields on which panels, and how every peak follows from them.
+"""Curves whose largest values are peaks: fields on Chebyshev panels of regions, and the rule of each peak.
 
-A peak has a kink where the place of the largest stress jumps; the stresses over a region that is tied to the contact
-are smooth in every factor. The curves of a case are fields at the nodes of Chebyshev panels side by side. A peak is the
-largest value of a measure of these fields, ``max over branches of linear . s + |root s|``, or another field there.
+A peak has a kink where the position of the largest stress jumps, while the stresses over a region tied to the contact
+are smooth in every factor. A peak is the largest value of a measure of the fields, or another field at that point.
 """
 
 from dataclasses import dataclass
@@ -18,24 +17,20 @@ from solver.fields import STRESSES
 
 @dataclass(frozen=True)
 class Region:
-    """A net of panels of Chebyshev points over a region, and the fields that are given there.
+    """Panels of Chebyshev points over a region, row by row of panels and row by row within each, and their fields."""
 
-    The points come panel by panel, row by row of panels, and in a panel row by row.
-    """
-
-    fields: tuple[str, ...]  # Their names; every one is given as ``<region>_<field>``
-    # Number of points of every panel from the leading to the trailing side, and the ends of the panels in the
-    # coordinate of the region
+    fields: tuple[str, ...]  # Names, with the prefix ``<region>_`` in outputs
+    # Number of points of each panel from the leading to the trailing side, and ends of the panels
     across: tuple[int, ...]
     across_at: tuple[float, ...]
-    # The same of every row of panels; of an interface one point
+    # Number of points and ends of each row of panels; of an interface one point
     down: tuple[int, ...] = (1,)
     down_at: tuple[float, ...] = (0.0, 0.0)
-    size: str = "mean_pressure"  # The size by which the stresses scale
+    size: str = "mean_pressure"  # Scale of the stresses
 
     @property
     def panels(self) -> Panels:
-        """The panels without their places."""
+        """Numbers of points of the panels."""
         return Panels(self.across, self.down)
 
     @property
@@ -45,7 +40,7 @@ class Region:
 
     @property
     def sizes(self) -> tuple[str, ...]:
-        """Scale factor of every field from case to case; empty if there is none."""
+        """Name of each field's scale from case to case; empty if it has none."""
         special = {"position": "", "depth": "half_length"}
         return tuple(special.get(field, self.size) for field in self.fields)
 
@@ -56,11 +51,11 @@ class Region:
 
 @dataclass(frozen=True)
 class Peak:
-    """Rule that gives a quantity from the curves of a region."""
+    """Rule for a quantity from the curves of a region."""
 
     region: str  # Name in ``REGIONS``
-    measure: Measure  # Of the first fields of the region; what is largest
-    place: str = ""  # The field that is read where it is largest; empty: the measure itself
+    measure: Measure  # Measure of the first fields of the region whose largest value is searched
+    place: str = ""  # Field that is read at its maximum; empty: the measure itself
 
 
 _HALF = 0.5**0.5
@@ -70,20 +65,20 @@ VON_MISES = Measure(
     np.zeros((1, 4)),
     np.array([[[_HALF, -_HALF, 0, 0], [0, _HALF, 0, -_HALF], [-_HALF, 0, 0, _HALF], [0, 0, 3.0**0.5, 0]]]),
 )
-#: Largest principal stress of these, 0 where none is tensile.
+#: Largest principal stress, 0 where none is tensile.
 TENSION = Measure(
     np.array([[0.5, 0.5, 0, 0], [0, 0, 0, 1], [0, 0, 0, 0]]),
     np.array([[[0.5, -0.5, 0, 0], [0, 0, 1, 0]], np.zeros((2, 4)), np.zeros((2, 4))]),
 )
-#: The same, negative where none is tensile.
+#: Largest principal stress, negative where none is tensile.
 PRINCIPAL = Measure(TENSION.linear[:2], TENSION.root[:2])
-#: Of (sigma_xy, sigma_yy): the size of the shear stress, and the tension, 0 where there is none.
+#: Size of the shear stress, and tension or 0, of (sigma_xy, sigma_yy).
 SHEAR = Measure(np.zeros((1, 2)), np.array([[[1.0, 0.0]]]))
 PULL = Measure(np.array([[0.0, 1.0], [0.0, 0.0]]), np.zeros((2, 1, 2)))
 
 _BODY = (-2.0, -1.5, -1.2, -1.0, -0.8, -0.5, 0.5, 0.8, 1.0, 1.2, 1.5, 2.0)
-# narrow beside the edges: a tenth of the contact below these, tension is as narrow
-# 1 to 3 is next to an edge, 3 to 5 up to eight half-lengths and thicknesses from it (solver/line/stressnets.py)
+# narrow at the edges, since tension a tenth of the contact below these is as narrow; 1 to 3 is next to an edge, 3 to 5
+# up to eight half-lengths and thicknesses from it (solver/line/stressnets.py)
 _FILM = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.75, -0.4, 0.4, 0.75, 1.0, 2.0, 3.0, 4.0, 5.0)
 _ACROSS = (10, 10, 10, 11, 11, 11, 14, 11, 11, 11, 10, 10, 10)
 
@@ -100,7 +95,7 @@ REGIONS: dict[str, Region] = {
     "base": Region(STRESSES, _ACROSS, _FILM, (10, 9), (-1.0, 0.0, 1.0)),
 }
 
-#: How every peak follows, by its name.
+#: Rule of each peak.
 FOLLOWS: dict[str, Peak] = {
     "peak_von_mises": Peak("body", VON_MISES),
     "peak_von_mises_depth": Peak("body", VON_MISES, "depth"),
@@ -114,14 +109,14 @@ FOLLOWS: dict[str, Peak] = {
     "base_peak_principal_tension": Peak("base", TENSION),
 }
 
-#: What a field of any region is.
+#: Unit and meaning of the fields of any region.
 FIELDS: dict[str, Described] = {
     **{name: Described("Pa", f"sigma_{name[-2:]} at the points of the panels") for name in STRESSES},
     "depth": Described("m", "depth of the points"),
     "position": Described("1", "position X = (x - c)/h of the points"),
 }
 
-#: Sizes of a case, smooth and positive, by which fields scale.
+#: Sizes of a case, smooth and positive, that scale fields.
 SIZES: dict[str, Described] = {
     "mean_pressure": Described("Pa", "load over the width of the contact"),
     "half_length": Described("m", "half the width of the contact, h"),
@@ -130,5 +125,5 @@ SIZES: dict[str, Described] = {
 
 
 def described(region: str) -> dict[str, Described]:
-    """The variables of a region: unit and meaning by name, ``<region>_<field>``."""
+    """Unit and meaning of the variables of a region, by name ``<region>_<field>``."""
     return {f"{region}_{field}": FIELDS[field] for field in REGIONS[region].fields}

@@ -1,4 +1,4 @@
-"""Meaning of names: a factor with its bounds, an output with its unit, a profile with its factors."""
+"""Descriptions of factors with their bounds, of outputs with their units, and of profiles with their factors."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -8,29 +8,26 @@ _DATUM = (
     "its surface at this distance from the contact"
 )
 
-#: How a punch touches a body: along a line, per metre of which loads are given, or at a point.
+#: Contact along a line, whose loads are per metre, or at a point.
 Contact = Literal["line", "point"]
 
 
 @dataclass(frozen=True)
 class Factor:
-    """A numeric input of a case: unit, meaning, default (None: must be given) and bounds.
-
-    A case may be without an optional one: it is then NaN, or absent.
-    """
+    """A numeric input of a case with unit, meaning, default and bounds."""
 
     units: str
     long_name: str
-    default: float | None = None
+    default: float | None = None  # None: the factor must be given
     low: float = float("-inf")
     low_allowed: bool = True
     high: float = float("inf")
     high_allowed: bool = True
-    optional: bool = False
+    optional: bool = False  # Whether cases may lack it, as NaN or by its absence
 
     @property
     def allowed(self) -> str:
-        """Allowed values in words."""
+        """Words for the allowed values, with their unit."""
         text = "a finite number"
         if self.low > float("-inf"):
             text += f" {'>=' if self.low_allowed else '>'} {self.low:g}"
@@ -46,31 +43,26 @@ class Factor:
 
 @dataclass(frozen=True)
 class Described:
-    """Unit and meaning of an output, and what one must know to use it.
-
-    ``on_datum``: it depends on the datum of a half-plane; ``on_punch``: along a line also on that of an elastic punch.
-    ``sparse``: it is NaN in a case that has none.
-    ``formula``: how it follows from smoother ones, in the language of designs.
-    """
+    """Unit and meaning of an output, and conditions on its use."""
 
     units: str
     long_name: str
     comment: str = ""
-    on_datum: bool = False
-    on_punch: bool = False
-    sparse: bool = False
-    formula: str = ""
+    on_datum: bool = False  # Whether it depends on the datum of a half-plane
+    on_punch: bool = False  # Whether it depends along a line on the datum of an elastic punch, too
+    sparse: bool = False  # Whether it is NaN in cases that have none
+    formula: str = ""  # Its value from smoother outputs, in the language of designs
 
     @property
     def attrs(self) -> dict[str, str]:
-        """CF attributes."""
+        """Attributes by the CF conventions."""
         comment = {"comment": self.comment} if self.comment else {}
         return {"units": self.units, "long_name": self.long_name, **comment}
 
 
 @dataclass(frozen=True)
 class Loads:
-    """The factors that press and charge a punch: its normal force, and its electric and magnetic charge."""
+    """Factors of the normal force on a punch, and of its electric and magnetic charge."""
 
     force: str
     charges: tuple[str, str]
@@ -78,30 +70,30 @@ class Loads:
 
 @dataclass(frozen=True)
 class Outline:
-    """Required and optional factors of a punch's profile, and the kind of contact it makes."""
+    """Factors of a punch's profile, and its kind of contact."""
 
-    needs: tuple[str, ...]
-    may: tuple[str, ...] = ()
+    needs: tuple[str, ...]  # Required factors
+    may: tuple[str, ...] = ()  # Optional factors
     contact: Contact = "line"
     space: bool = False  # Whether it has no axis of revolution: a contact in space
 
     @property
     def takes(self) -> tuple[str, ...]:
-        """Every factor that it has."""
+        """Required and optional factors."""
         return (*self.needs, *self.may)
 
 
 def positive(units: str, long_name: str, default: float | None = None, *, optional: bool = False) -> Factor:
-    """A factor that is > 0."""
+    """Return a factor that is > 0."""
     return Factor(units, long_name, default, 0.0, low_allowed=False, optional=optional)
 
 
 def poisson(body: str) -> Factor:
-    """Poisson's ratio of a body that a case may be without."""
+    """Return the factor of Poisson's ratio of an optional body."""
     long_name = f"Poisson's ratio of {body}"
     return Factor("1", long_name, None, -1.0, low_allowed=False, high=0.5, high_allowed=False, optional=True)
 
 
 def on_datum(units: str, long_name: str, *, on_punch: bool = False) -> Described:
-    """An output that depends on the datum of a half-plane."""
+    """Return an output that depends on the datum of a half-plane."""
     return Described(units, long_name, _DATUM, on_datum=True, on_punch=on_punch)

@@ -32,20 +32,20 @@ POINT_FIELDS: dict[str, Described] = {
     "hoop_stress": Described("Pa", "hoop stress of the surface sigma_tt"),
 }
 
-#: Those with a square-root singularity at the edge.
+#: Fields of point contacts with a square-root singularity at the edge.
 POINT_SINGULAR = tuple(POINT_FIELDS)[1:]
 
-#: What is given of them then.
+#: Regular forms of the singular fields.
 REGULAR: dict[str, Described] = {
     f"{name}_regular": Described(field.units, f"{field.long_name}, times sqrt|1 - X^2|")
     for name, field in (FIELDS | POINT_FIELDS).items()
     if name in SINGULAR + POINT_SINGULAR
 }
 
-#: Every surface field there is.
+#: Every surface field.
 EVERY_FIELD = FIELDS | POINT_FIELDS | REGULAR
 
-#: Fields inside the body over (case factors..., y, x), as :func:`solver.solve_interior` gives them unasked.
+#: Fields inside the body over (case factors..., y, x) that :func:`solver.solve_interior` returns by default.
 INTERIOR: dict[str, Described] = {
     "stress_xx": Described("Pa", "stress sigma_xx"),
     "stress_yy": Described("Pa", "stress sigma_yy"),
@@ -62,10 +62,10 @@ INTERIOR: dict[str, Described] = {
     "magnetic_field_y": Described("A m-1", "magnetic field H_y"),
 }
 
-#: The four stresses of plane strain, which the measures of ``solver.curves`` take in this order.
+#: The four stresses of plane strain in the order of the measures of ``solver.curves``.
 STRESSES = tuple(INTERIOR)[:4]
 
-#: Fields inside the body that are given when asked for by name.
+#: Fields inside the body that are returned if named.
 INTERIOR_ON_REQUEST: dict[str, Described] = {
     "electric_potential": on_datum("V", "electric potential relative to the datum"),
     "magnetic_potential": on_datum("A", "magnetic potential relative to the datum"),
@@ -75,13 +75,13 @@ INTERIOR_ON_REQUEST: dict[str, Described] = {
     "strain_xy": Described("1", "tensor shear strain epsilon_xy"),
 }
 
-#: Every field inside the body there is.
+#: Every field inside the body.
 EVERY_INTERIOR = {**INTERIOR, **INTERIOR_ON_REQUEST}
 
 #: Fields inside the body that need c12.
 NEED_C12 = ("stress_zz", "von_mises", "principal_tension")
 
-#: The same of point contacts, whose surface turns with the direction.
+#: Fields inside the body that need c12 under point contacts, where the radial stress depends on the hoop strain.
 POINT_NEED_C12 = ("stress_xx", *NEED_C12)
 
 Field = Literal["electric", "magnetic"]
@@ -95,6 +95,6 @@ _SYMBOL = re.compile(r"[A-Za-z]+")
 
 
 def fields_of(units: str) -> frozenset[Field]:
-    """The fields that a unit measures; none of a length or a stress."""
+    """Return the fields that a unit measures, none for a length or a stress."""
     symbols = set(_SYMBOL.findall(units))
     return frozenset(field for field, field_symbols in _SYMBOLS.items() if symbols & field_symbols)

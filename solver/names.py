@@ -72,13 +72,13 @@ FACTORS: dict[str, Factor] = {
 #: The factor that states each composite's composition; the laws are those of ``solver/material/composite.py``.
 COMPOSITES = {"fibrous": "volume_fraction", "laminate": "volume_fraction", "AlScN": "scandium_fraction"}
 
-#: How a composite that is no mixture is written by the share that its factor is, and the rest.
+#: Chemical formula of each composite that is not a mixture, by its share and the rest.
 FORMULAS = {"AlScN": "Al({rest})Sc({share})N"}
 
-#: Those that are made of the two phases.
+#: Composites of two phases.
 MIXTURES = tuple(name for name, factor in COMPOSITES.items() if factor == "volume_fraction")
 
-#: The factors of a profile, and the contact that it makes: a profile says which kind of contact a case is.
+#: Factors of each profile, and its kind of contact.
 PROFILES: dict[str, Outline] = {
     "cylinder": Outline(("radius",)),
     "flat": Outline(("width",), ("slope", "moment")),
@@ -99,10 +99,10 @@ PROFILES: dict[str, Outline] = {
     "map": Outline((), ("map_spacing",), contact="point", space=True),
 }
 
-#: Profiles of revolution that may lie on a cut crystal: the contact then is one in space.
+#: Profiles of revolution that make a contact in space on a cut crystal.
 ON_CUTS = ("sphere", "cone", "disc")
 
-#: The factor of a map: a file (CSV, or one that SurfaceTopography reads), or an array of heights [m] over x and y.
+#: Factor of a map: a file (CSV, or one that SurfaceTopography reads), or an array of heights [m] over x and y.
 HEIGHT_MAP = "height_map"
 
 #: Factors that take one of a few names; the first is the default.
@@ -126,31 +126,31 @@ OF_AN_ELECTRODE = ("electrode", "collector", "patch", "patch_size", "patch_posit
 #: Factors that name materials.
 MATERIALS = ("material", "base", "punch")
 
-#: Factors that say what a body's material is: its name, or a composite and its share.
+#: Factors of a body's material: its name, or a composite and its share.
 OF_MATERIAL = ("material", "composite", *dict.fromkeys(COMPOSITES.values()))
 
 #: Factors of the punch's material: a name, or modulus and Poisson's ratio; without one the punch is rigid.
 OF_A_PUNCH = ("punch", "punch_modulus", "punch_poisson")
 
-#: What is beside a contact whose charges spread along the punch, and the factors that it alone has.
+#: Surroundings in which charge spreads along the punch, and their factors.
 AIR, OF_A_GAP = "air", ("gap_permittivity", "gap_radius")
 
-#: Factors that only a film has: a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
+#: Factors of a film, a case with a thickness. Its base is named or given by modulus and Poisson's ratio.
 OF_A_FILM = (
     "thickness", "base", "base_modulus", "base_poisson", "interface_electric", "interface_magnetic",
     "base_volume_fraction", "grading_exponent",
 )  # fmt: skip
 
-#: Factors that only a contact in space has.
+#: Factors of a contact in space.
 OF_SPACE = ("cut", "cut_angle", "sliding_direction", "grid_error")
 
 #: Families of cuts that need a ``cut_angle``.
 ANGLED_CUTS = ("rotated Y", "tilt")
 
-#: Factors of the heat that a touch brings to a film, and of the charge amplifier in which charge of it decays.
+#: Factors of the heat that a touch brings to a film, and of the charge amplifier in which its charge decays.
 OF_HEAT = ("touch_temperature", "body_temperature", "heat_share", "hold", "feedback_resistance", "feedback_capacitance")
 
-#: The factor that gives a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
+#: Factor of a whole stack of layers (:class:`solver.Stack`), in place of a material and a film's factors.
 BODY = "body"
 
 #: Load and charges on the punch of each kind of contact.
@@ -159,13 +159,13 @@ CONTACTS: dict[Contact, Loads] = {
     "point": Loads("force", ("total_charge", "total_flux")),
 }
 
-#: How far a contact extends to the trailing and to the leading side, by its kind: a point alike.
+#: Quantities of the trailing and the leading extent of a contact, equal at a point.
 ENDS: dict[Contact, tuple[str, str]] = {
     "line": ("contact_trailing", "contact_leading"),
     "point": ("contact_radius", "contact_radius"),
 }
 
-#: Factors that a point contact has no use for: its depth and potentials are absolute, and it does not move.
+#: Factors of line contacts alone: depth and potentials of a point contact are absolute, and it does not move.
 OF_A_LINE = ("datum", "speed", "corner", "moment")
 
 _OUTSIDE = (
@@ -202,8 +202,8 @@ QUANTITIES: dict[str, Described] = {
     ),
 }
 
-#: Of each field, electric and magnetic: potential, sensitivity, charge per load that makes the potential zero, stroke,
-#: blocked load; on a film its store, too.
+#: For the electric and the magnetic field: potential, sensitivity, charge per load at zero potential, stroke, blocked
+#: load and, on a film, capacitance or permeance.
 RESPONSES = (
     ("voltage", "voltage_per_load", "charge_per_force", "stroke_per_volt", "blocked_load_per_volt",
      "capacitance_per_length"),
@@ -211,14 +211,14 @@ RESPONSES = (
      "blocked_load_per_ampere", "permeance_per_length"),
 )  # fmt: skip
 
-#: Quantities of the body below depth 0.1 h, found by a search and returned on request.
+#: Quantities of the body below depth 0.1 h, which are searched for if requested.
 PEAKS: dict[str, Described] = {
     "peak_von_mises": Described("Pa", "largest von Mises stress below depth 0.1 h"),
     "peak_von_mises_depth": Described("m", "depth of the largest von Mises stress below depth 0.1 h"),
     "peak_principal_tension": Described("Pa", "largest principal stress below depth 0.1 h"),
 }
 
-#: Largest time [s] and temperature [K] of the quantities of heat: what is never reached is reported as these.
+#: Time [s] and temperature [K] that are reported for states of heat that are never reached.
 NEVER_TIME, NEVER_TEMPERATURE = 1e6, 1e6
 
 #: Quantities of the heat that a touch brings, of a film whose ``touch_temperature`` and ``hold`` are given.
@@ -240,7 +240,7 @@ HEAT_QUANTITIES: dict[str, Described] = {
 #: Every quantity of a half-plane.
 EVERY_QUANTITY = {**QUANTITIES, **PEAKS}
 
-#: Quantities that a film has beside those of a half-plane.
+#: Quantities of a film in addition to those of a half-plane.
 FILM_QUANTITIES: dict[str, Described] = {
     "contact_offset": Described("m", "centre of the contact, (a - b)/2"),
     "capacitance_per_length": Described("F m-1", "d charge / d voltage at a fixed contact and magnetic charge"),
@@ -252,7 +252,7 @@ FILM_QUANTITIES: dict[str, Described] = {
     ),
 }
 
-#: Quantities of the electrode that is read; those of patches where these are given.
+#: Quantities of the electrode that is read, and of its patches.
 ELECTRODE_QUANTITIES: dict[str, Described] = {
     "electrode_charge_per_force": Described("C N-1", "charge of the whole electrode per force"),
     "electrode_stroke_per_volt": Described(
@@ -266,14 +266,14 @@ ELECTRODE_QUANTITIES: dict[str, Described] = {
     ),
 }
 
-#: Quantities that a contact has where a gap beside it carries charge, in place of edge intensities.
+#: Quantities of a contact whose gap carries charge, in place of edge intensities.
 GAP_QUANTITIES: dict[str, Described] = {
     "capacitance_at_load": on_datum("F m-1", "d charge / d voltage at fixed load and magnetic charge"),
     "peak_displacement": Described("C m-2", "largest abs(D_y) on the contact and beside it"),
     "gap_field": Described("V m-1", "largest electric field in the gap beside the contact"),
 }
 
-#: Quantities of a film, found by a search and returned on request, in place of ``PEAKS``.
+#: Quantities of a film, which are searched for if requested, in place of ``PEAKS``.
 FILM_PEAKS: dict[str, Described] = {
     "interface_shear": Described("Pa", "largest abs(sigma_xy) on the upper side of the interface"),
     "interface_shear_position": Described("1", "where, as (x - c)/h"),
@@ -287,10 +287,10 @@ FILM_PEAKS: dict[str, Described] = {
     "base_peak_principal_tension": Described("Pa", "largest principal stress of the base, 0 if none is tensile"),
 }
 
-#: Every quantity of a film beside those of a half-plane.
+#: Every quantity of a film in addition to those of a half-plane.
 EVERY_FILM_QUANTITY = {**FILM_QUANTITIES, **FILM_PEAKS}
 
-#: Quantities of a point contact. What is per voltage holds the magnetic potential, what is per ampere the voltage.
+#: Quantities of a point contact, per volt at a fixed magnetic potential, per ampere at a fixed voltage.
 POINT_QUANTITIES: dict[str, Described] = {
     "contact_radius": Described("m", "radius of the contact"),
     **{name: QUANTITIES[name] for name in ("peak_pressure", "depth", "voltage", "magnetic_potential")},
@@ -310,7 +310,7 @@ POINT_QUANTITIES: dict[str, Described] = {
     "contact_stiffness_open": Described("N m-1", "d force / d depth at fixed charges"),
 }
 
-#: What a point contact has beside these where friction is given, to the first order of it.
+#: Quantities of a point contact with friction, to the first order in it.
 POINT_SLIDING: dict[str, Described] = {
     "contact_offset": FILM_QUANTITIES["contact_offset"],
     **{
@@ -321,13 +321,13 @@ POINT_SLIDING: dict[str, Described] = {
     "trailing_tension": QUANTITIES["trailing_tension"],
 }
 
-#: Quantities that a point contact has where a gap beside it carries charge, in place of edge intensities.
+#: Quantities of a point contact whose gap carries charge, in place of edge intensities.
 POINT_GAP_QUANTITIES: dict[str, Described] = {
     "capacitance_at_force": Described("F", "d charge / d voltage at fixed force and magnetic potential"),
     **{name: GAP_QUANTITIES[name] for name in ("peak_displacement", "gap_field")},
 }
 
-#: Quantities of a contact in space; the others mean what they mean at a point.
+#: Quantities of a contact in space; those shared with a point contact have the same meaning.
 SPACE_QUANTITIES: dict[str, Described] = {
     "contact_area": Described("m2", "area of the contact"),
     "contact_length_x": Described("m", "length of the contact along x"),
@@ -350,7 +350,7 @@ SPACE_QUANTITIES: dict[str, Described] = {
     ),
 }  # fmt: skip
 
-#: Those of them that are slopes, by what each costs: solutions by a change of voltage, and at other loads as well.
+#: Quantities of a contact in space that are slopes, by the solutions that they need: at other voltages, or loads too.
 SPACE_SLOPES = {
     **dict.fromkeys(("stroke_per_volt", "capacitance", "capacitance_at_force"), "BY_VOLTAGE"),
     **dict.fromkeys(
@@ -358,7 +358,7 @@ SPACE_SLOPES = {
     ),
 }
 
-#: Maps of a contact in space over (x, y), as :func:`solver.solve_map` gives them.
+#: Maps of a contact in space over (x, y), which :func:`solver.solve_map` returns.
 MAPS: dict[str, Described] = {
     "contact_pressure": Described("Pa", "contact pressure -sigma_zz"),
     "electric_displacement": Described("C m-2", "normal electric displacement D_z"),
@@ -366,7 +366,7 @@ MAPS: dict[str, Described] = {
     "contact_share": Described("1", "share of a cell that is in contact"),
 }
 
-#: What a material bears, beside its constants; not every one is known of a material.
+#: Limits of a material, as far as they are known.
 LIMITS: dict[str, Described] = {
     "tensile_strength": Described("Pa", "principal tension at which it breaks"),
     "yield_strength": Described("Pa", "von Mises stress at which it yields"),
@@ -375,7 +375,7 @@ LIMITS: dict[str, Described] = {
     "breakdown_field": Described("V m-1", "electric field at which it breaks down"),
 }
 
-#: Constants of a material for heat, beside its other constants; not every one is known of a material.
+#: Thermal constants of a material, as far as they are known.
 THERMAL: dict[str, Described] = {
     "pyroelectric": Described(
         "C m-2 K-1",
@@ -402,10 +402,10 @@ ALL_QUANTITIES = {
     **ELECTRODE_QUANTITIES, **HEAT_QUANTITIES, **SPACE_QUANTITIES,
 }  # fmt: skip
 
-#: Those that are searched for over a body.
+#: Quantities that are searched for over a body.
 ALL_PEAKS = {**PEAKS, **FILM_PEAKS}
 
-#: Numeric factors of a film for whose every value the solver makes tables; it reads from these at all others.
+#: Numeric factors of a film whose every value has its own tables; at other factors the tables are read.
 TABLED = (
     "volume_fraction", "scandium_fraction", "friction", "speed",
     "base_modulus", "base_poisson", "base_volume_fraction", "grading_exponent", "punch_modulus", "punch_poisson",

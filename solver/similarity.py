@@ -1,11 +1,9 @@
-"""Exact similarity of contacts: how factors and quantities scale with the size of a contact and with its strength.
+"""Exact similarity of contacts: powers by which factors and quantities scale with size and strength.
 
-Linear theory knows two scalings of a contact. *Size* l: radius, load, charges, thickness, width and datum times l give
-the same stresses on l times the lengths. *Strength* s: load, charges and the slope of a face times s, the radius over
-s, give s times the stresses and potentials on the same lengths, unless air is beside the contact: its gap is s times as
-wide, so that its permittivity and permeability would have to be s times as large. Every factor and quantity is then
-l^size s^strength times what it was; those that are not named here stay (docs/theory.md, section 8;
-docs/theory-films.md).
+*Size* l: radius, load, charges, thickness, width and datum times l give the same stresses on l times the lengths.
+*Strength* s: load, charges and slope times s, the radius over s, give s times the stresses and potentials on the same
+lengths, unless air is beside the contact: its gap is s times as wide, so that its permittivity and permeability would
+have to be s times as large. Factors and quantities that are not named here stay (theory, section 8).
 """
 
 from dataclasses import dataclass
@@ -69,8 +67,8 @@ _CHANGING: dict[Weight, tuple[str, ...]] = {
     ),
 }  # fmt: skip
 
-#: Quantities, fields (at the same place relative to the contact) and sizes of curves by name; exponents, sensitivities,
-#: strokes, blocked loads, capacitances and dimensionless positions stay what they are.
+#: Quantities, fields (at the same position relative to the contact) and sizes of curves by name; exponents,
+#: sensitivities, strokes, blocked loads, capacitances and dimensionless positions do not change.
 QUANTITY_WEIGHTS: dict[str, Weight] = {
     **dict.fromkeys(ALL_QUANTITIES, Weight()),
     **{name: weight for weight, names in _CHANGING.items() for name in names},
@@ -84,22 +82,19 @@ QUANTITY_WEIGHTS: dict[str, Weight] = {
 
 
 def weight_of(factor: str) -> Weight:
-    """Scale of a factor under similarity; fractions, friction, speed, moduli and names stay.
-
-    An own name of a study, as ``copper_thickness``, is a number of a layer by its ending.
-    """
+    """Return the powers of a factor, or of a study's thickness of a layer, such as ``copper_thickness``."""
     return FACTOR_WEIGHTS.get("thickness" if factor.endswith("_thickness") else factor, Weight())
 
 
 def scale_powers(quantity: str, load: str, length: str) -> dict[str, float]:
-    """Powers of a load-like and a length-like factor whose product scales as a quantity does."""
+    """Return powers of a load-like and a length-like factor whose product scales like a quantity."""
     if quantity not in QUANTITY_WEIGHTS:
         raise ValueError(f"{quantity!r} has no known powers of size and strength")
-    a, b, wanted = weight_of(load), weight_of(length), QUANTITY_WEIGHTS[quantity]
+    a, b, target = weight_of(load), weight_of(length), QUANTITY_WEIGHTS[quantity]
     determinant = a.size * b.strength - a.strength * b.size
     if determinant == 0:
         raise ValueError(f"{load!r} and {length!r} scale alike")
     return {
-        load: (wanted.size * b.strength - wanted.strength * b.size) / determinant,
-        length: (a.size * wanted.strength - a.strength * wanted.size) / determinant,
+        load: (target.size * b.strength - target.strength * b.size) / determinant,
+        length: (a.size * target.strength - a.strength * target.size) / determinant,
     }

@@ -1,4 +1,4 @@
-"""BLAS on one thread: matrices are small here, and threads that wait for one another take three times as long."""
+"""BLAS on one thread: matrices are small here, and threads waiting for each other take three times as long."""
 
 import sys
 from contextlib import AbstractContextManager
@@ -16,7 +16,7 @@ def _controller(_loaded: tuple[bool, ...]) -> ThreadpoolController:
 
 
 def one_thread() -> AbstractContextManager[object]:
-    """Within it BLAS has one thread; afterwards as many as before."""
+    """Return a context in which BLAS uses one thread."""
     loaded = tuple(module in sys.modules for module in _OF_SCIPY)
     limit: AbstractContextManager[object] = _controller(loaded).limit(limits=1, user_api="blas")
     return limit

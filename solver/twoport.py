@@ -1,7 +1,7 @@
-"""A contact as a two-port: force and charge of one field against depth and potential.
+"""A contact as a two-port between force and charge of one field, and depth and potential.
 
-A line contact knows its compliance at held charges, a point contact its stiffness at held potentials. What is per volt
-along a line therefore holds the magnetic charge, and at a point the magnetic potential.
+Along a line the compliance is at fixed charges, at a point the stiffness is at fixed potentials. Quantities per volt
+are therefore at a fixed magnetic charge along a line, at a fixed magnetic potential at a point.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from solver.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """Derivatives of depth and potential in force and charge of a field, the other charge held; (...) each."""
+    """Derivatives of depth and potential by force and charge of a field at a fixed other charge; (...) each."""
 
     depth_by_force: Array
     depth_by_charge: Array
@@ -23,7 +23,7 @@ class Compliance:
 
     @classmethod
     def of(cls, matrix: Array, field: int) -> Self:
-        """Entries of electric (0) or magnetic (1) field in d (depth, V, Psi) / d (P, T, J), (..., 3, 3)."""
+        """Return the electric (0) or magnetic (1) compliance of d (depth, V, Psi) / d (P, T, J) (..., 3, 3)."""
         j = 1 + field
         return cls(matrix[..., 0, 0], matrix[..., 0, j], matrix[..., j, 0], matrix[..., j, j])
 
@@ -46,23 +46,23 @@ class Compliance:
 
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """-d (P, T, J) / d (-depth, V, Psi) of the conducted fields, SI; (..., n, n)."""
+    """Stiffness -d (P, T, J) / d (-depth, V, Psi) of the conducted fields, SI."""
 
-    matrix: Array
+    matrix: Array  # (..., n, n)
 
     @classmethod
     def of(cls, compliance: Array) -> Self:
-        """The stiffness whose inverse is -d (-depth, V, Psi) / d (P, T, J), (..., n, n)."""
+        """Return the stiffness of a compliance -d (-depth, V, Psi) / d (P, T, J) (..., n, n)."""
         return cls(_inverse(compliance))
 
     @property
     def compliance(self) -> Array:
-        """-d (-depth, V, Psi) / d (P, T, J); (..., n, n)."""
+        """Compliance -d (-depth, V, Psi) / d (P, T, J); (..., n, n)."""
         return _inverse(self.matrix)
 
     @property
     def closed(self) -> Array:
-        """Force per depth at held potentials; (...)."""
+        """Force per depth at fixed potentials; (...)."""
         return self.matrix[..., 0, 0]
 
     @property
@@ -89,7 +89,7 @@ class Stiffness:
 
 
 def _inverse(matrix: Array) -> Array:
-    """Inverse of a matrix whose rows and columns are first scaled to order one: their units differ by 1e20."""
+    """Invert a matrix, scaled to the order of one since units differ by 1e20; (..., n, n)."""
     scale = 1 / np.sqrt(np.abs(np.diagonal(matrix, axis1=-2, axis2=-1)))
     scales = scale[..., :, None] * scale[..., None, :]
     return np.asarray(np.linalg.inv(matrix * scales) * scales)

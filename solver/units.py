@@ -1,8 +1,8 @@
-"""Units: ``MPa``, ``kV/mm``, ``V m N-1``, ``C m-3/2`` to a scale on SI and the exponents of metre, kilogram, ...
+"""Units: read ``MPa``, ``kV/mm``, ``V m N-1``, ``C m-3/2`` as a scale on SI and exponents of base units.
 
-The notation is that of CF (a symbol with its exponent behind it, a blank between symbols), with ``/`` for the symbols
-behind it, ``%``, and the decimal prefixes of the SI (BIPM, The International System of Units, 9th edition, table 7).
-Printed notation is read as well: ``C/m²``, ``kN·m⁻¹``, ``N/(V·m)``, ``1.5×10⁹``, ``GΩ``, with its minus and blanks.
+The notation is that of CF (a symbol and its exponent, a blank between symbols), with ``/`` before a divisor, ``%``, and
+the decimal prefixes of the SI (BIPM, The International System of Units, 9th edition, table 7). Printed notation is read
+as well: ``C/m²``, ``kN·m⁻¹``, ``N/(V·m)``, ``1.5×10⁹``, ``GΩ``, with its minus and blanks.
 """
 
 import math
@@ -55,7 +55,7 @@ _PART = re.compile(
 )
 _QUANTITY = re.compile(r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?)(?![0-9._eE])\s*(\S.*)")
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ᐟ", "0123456789-+/")
-_TYPESET = {  # characters that print what ASCII has another character for
+_TYPESET = {  # typographic characters and those of ASCII
     **dict.fromkeys("\u2212\u2013\ufe63\uff0d", "-"),  # minus signs
     **dict.fromkeys("\u00a0\u2007\u2008\u2009\u200a\u202f\u2005\u2006", " "),
     **dict.fromkeys("\u22c5\u2219\u2022\u2062", "·"),
@@ -69,25 +69,22 @@ _TEN = re.compile(
 )
 _VACUUM = (re.compile("(?:[εϵ]|eps(?:ilon)?)_?[0₀]"), "eps0"), (re.compile("(?:[µμ]|mu)_?[0₀]"), "mu0")
 _GROUPED = re.compile(r"/\s*\((?P<group>[^()]*)\)")
-_FEW = 2  # symbols of a unit that reads well
+_FEW = 2  # most symbols of a readable unit
 _BARE = re.compile(r"\s*[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,4})?\s*")
 _LARGEST_POWER, _LONGEST = 9, 100  # an exponent, also of its denominator; characters of a unit, or of a number with it
 
 
 @dataclass(frozen=True)
 class Unit:
-    """A scale on SI and the exponents of metre, kilogram, second, ampere and kelvin.
-
-    ``symbols`` are those that it was made of, with their exponents: what a reader knows it by.
-    """
+    """A scale on SI and the exponents of metre, kilogram, second, ampere and kelvin."""
 
     scale: float
     exponents: tuple[Fraction, ...]
-    symbols: tuple[tuple[str, Fraction], ...] = field(default=(), compare=False)
+    symbols: tuple[tuple[str, Fraction], ...] = field(default=(), compare=False)  # as written, with exponents
 
     @classmethod
     def none(cls) -> Self:
-        """The unit of a pure number."""
+        """Return the unit of a pure number."""
         return cls(1.0, (Fraction(0),) * 5)
 
     def __mul__(self, other: "Unit") -> "Unit":
@@ -100,7 +97,7 @@ class Unit:
         )
 
     def power(self, exponent: Fraction) -> "Unit":
-        """The unit raised to a rational exponent."""
+        """Return the unit raised to a rational exponent."""
         symbols = tuple((symbol, exponent * power) for symbol, power in self.symbols if exponent)
         return Unit(self.scale ** float(exponent), tuple(exponent * power for power in self.exponents), symbols)
 
@@ -109,7 +106,7 @@ class Unit:
         return self.exponents == other.exponents
 
     def __str__(self) -> str:
-        """The unit in SI without prefixes, in as few symbols as possible or as written, like ``V m N-1``."""
+        """Return the unit in SI without prefixes, in as few symbols as possible or as written, like ``V m N-1``."""
         symbols = _alone(self.exponents) or self.symbols
         if len(symbols) > _FEW:
             symbols = _per_length(self.exponents) or symbols
@@ -118,7 +115,7 @@ class Unit:
 
 
 def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] | None:
-    """The one symbol, or the power of a base unit, that has these exponents; nothing for a pure number."""
+    """Return the symbol, or the power of a base unit, with these exponents; empty for a pure number."""
     for symbol, (_, dimensions) in _SYMBOLS.items():
         if symbol not in ("g", "rad") and exponents == tuple(map(Fraction, dimensions)):
             return ((symbol, Fraction(1)),)
@@ -127,10 +124,10 @@ def _alone(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] 
 
 
 def _per_length(exponents: tuple[Fraction, ...]) -> tuple[tuple[str, Fraction], ...] | None:
-    """The symbol that, times a power of the metre, has these exponents, as ``V m-1``."""
+    """Return the symbol that has these exponents times a power of the metre, as ``V m-1``."""
     for symbol, (_, dimensions) in _SYMBOLS.items():
-        length, *others = (a - b for a, b in zip(exponents, dimensions, strict=True))
-        if symbol not in ("g", "m", "rad") and not any(others):
+        length, *excess = (a - b for a, b in zip(exponents, dimensions, strict=True))
+        if symbol not in ("g", "m", "rad") and not any(excess):
             return (symbol, Fraction(1)), ("m", length)
     return None
 
@@ -151,7 +148,7 @@ def plain(text: str) -> str:
 
 
 def _exponent(ten: re.Match[str]) -> str:
-    """A power of ten behind its number, as ``e9``; one alone as ``1e9``."""
+    """Return a power of ten after a number as ``e9``, one alone as ``1e9``."""
     power = (ten["raised"] or ten["power"]).translate(_RAISED)
     if ten["times"] is None:
         return ten[0] if ten["mantissa"] else f"1e{power}"
@@ -178,6 +175,7 @@ def parse(text: str) -> Unit:
 
 
 def _power(text: str) -> Fraction:
+    """Read an exponent, a whole number or a fraction."""
     over, _, under = text.partition("/")
     top, bottom = int(over), int(under or 1)
     if abs(top) > _LARGEST_POWER or not 1 <= bottom <= _LARGEST_POWER:
@@ -187,11 +185,7 @@ def _power(text: str) -> Fraction:
 
 @lru_cache(maxsize=1024)  # numbers of a device are asked for at every step of a search
 def in_si(text: str, units: str) -> float:
-    """Read a number with its unit, as ``115 GPa`` or ``115GPa``: its value in SI.
-
-    What a decimal prefix does is rounded once: ``11.2 nF/m`` is 11.2e-9 to the last bit. Temperatures are absolute:
-    ``33 degC`` is 306.15 K.
-    """
+    """Read a number with its unit in SI, rounded once: ``11.2 nF/m`` is 11.2e-9, ``33 degC`` is 306.15 K."""
     if "±" in text:
         raise ValueError(f"{text[:_LONGEST]!r} has an error behind it; write the value alone, as '5 {units}'")
     read = plain(text) if len(text) <= _LONGEST else text
@@ -212,34 +206,35 @@ def in_si(text: str, units: str) -> float:
 
 
 def scaled(text: str, scale: float) -> float:
-    """A number in digits, times a scale, rounded once; one that is not finite as it is."""
+    """Return a number in digits times a scale, rounded once; one that is not finite stays as it is."""
     return float(Decimal(text) * Decimal(repr(scale))) if isfinite(float(text)) else float(text)
 
 
 def _symbol(text: str) -> Unit:
+    """Read a symbol with its prefix."""
     if text in _ALONE:
         scale, exponents = _ALONE[text]
         return Unit(scale, tuple(map(Fraction, exponents)))
     for symbol, (scale, exponents) in _SYMBOLS.items():
         if text.endswith(symbol) and text[: -len(symbol)] in _PREFIXES:
-            known = "kg" if symbol == "g" else symbol
+            name = "kg" if symbol == "g" else symbol
             return Unit(
-                scale * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((known, Fraction(1)),)
+                scale * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((name, Fraction(1)),)
             )
     raise ValueError(f"{text!r} is not a unit; known are {', '.join(_SYMBOLS)} with decimal prefixes, and %")
 
 
 _PRINTED_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _RAISING = str.maketrans("-0123456789/", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᐟ")
-_DIGITS = 15  # by which the size of a value chooses its prefix: all that a double has for certain
+_DEGREE = math.pi / 180  # rad
+_DIGITS = 15  # to which a value is rounded to choose its prefix: those that a double certainly has
 
 
 def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str]:
-    """Return the divisor for values of some size, and the unit to write behind them.
-
-    A prefix fits where the first symbol of the unit has no exponent, as in ``V m N-1``, or is an area (``mm²``); a
-    pure number has no unit.
-    """
+    """Return the divisor for values of a size, and the unit to print after them; angles are in degrees from 1 deg."""
+    if units == "rad" and _DEGREE <= abs(size) < math.inf:
+        return _DEGREE, "deg"
+    # a prefix fits if the first symbol of the unit has no exponent, as in ``V m N-1``, or is an area
     scalable = re.match(r"(?:[A-Za-z]+|m2)(?: |$)", units) is not None and not units.startswith("kg")
     exponent, shift, least, most = (2, 2, -9, 0) if units.startswith("m2") else (1, 0, -15, 12)  # 0.01 to 9999 mm²
     power = 0
@@ -250,7 +245,7 @@ def prefixed(size: float, units: str, digits: int = _DIGITS) -> tuple[float, str
 
 
 def written(units: str) -> str:
-    """A unit as people write it, nothing for a pure number."""
+    """Return a unit as people write it, empty for a pure number."""
     if units == "1":
         return ""
     over: list[str] = []

@@ -1,8 +1,4 @@
-"""netCDF files written block by block, so that a data set may be larger than the memory.
-
-The file that `write_blocks` makes is one of `storage.netcdf`: it appears whole or not at all, has the same checksum
-as if it had been written at once, and equal data give equal bytes.
-"""
+"""netCDF files of `storage.netcdf`, with the same checksum, written in blocks: data may be larger than the memory."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -33,12 +29,11 @@ from storage.sealed import appearing
 
 #: Attributes that `write_blocks` adds to every variable.
 STATISTICS = ("actual_range", "mean", "standard_deviation")
-#: A region of an array: along every axis from where to where.
-Region = tuple[slice, ...]
+Region = tuple[slice, ...]  # of an array, one slice an axis
 
 
 def pooled(counts: Sequence[int], parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the statistics of all numbers from those of their parts; `actual_range` is CF's name, NaN without any."""
+    """Return the statistics of all numbers from those of their parts, NaN without numbers; CF names `actual_range`."""
     if not any(counts):
         return dict(zip(STATISTICS, ([np.nan, np.nan], np.nan, np.nan), strict=True))
     lows, highs = np.transpose([part["actual_range"] for part in parts])
@@ -50,7 +45,7 @@ def pooled(counts: Sequence[int], parts: Sequence[Mapping[str, Any]]) -> dict[st
 
 @dataclass
 class _Stored:
-    """A variable of the file while it is written: how many values it has so far, and their statistics by region."""
+    """A variable while it is written, with the number of values and their statistics by region."""
 
     variable: "netCDF4.Variable[Any]"
     digest: Any
@@ -59,7 +54,7 @@ class _Stored:
 
     def put(self, region: Region, values: NDArray[Any]) -> None:
         """Write the values of the next region; ValueError if one is not finite."""
-        with np.errstate(over="ignore"):  # what is not finite is named below
+        with np.errstate(over="ignore"):  # an overflow is refused below
             values = np.ascontiguousarray(values, dtype=self.variable.dtype)
             exact = values.astype(np.float64)
             if exact.size:
@@ -72,7 +67,7 @@ class _Stored:
         self.digest.update(contents(values))
 
     def completed(self, attrs: Mapping[Any, Any]) -> str:
-        """Write the statistics of all values; the digest of the variable, which has further attributes."""
+        """Write the statistics of all values and return the digest of the variable, with further attributes."""
         if sum(self.counts) != self.variable.size:
             raise ValueError(f"{self.variable.name}: {sum(self.counts)} of {self.variable.size} values given")
         statistics = pooled(self.counts, self.statistics)

@@ -1,8 +1,8 @@
-"""Files that say what they hold: every variable has its meaning and its unit, the file its title and its source.
+"""Attributes of files: meaning and unit of every variable, title and source of the file.
 
-UDUNITS, by which foreign programs read units, has whole exponents only: it reads ``C m-3/2`` as 0.5 C m-3. In a file
-such a quantity is divided by the square root of 1 m: it has the same number, a unit that UDUNITS reads as meant, and a
-`long_name` that says so; `si_units` keeps the unit for people.
+UDUNITS, by which other programs read units, knows whole exponents only: it reads ``C m-3/2`` as 0.5 C m-3. In a file
+such a quantity is divided by the square root of 1 m. Its number stays, `units` are those that UDUNITS reads correctly,
+`long_name` mentions the division, and `si_units` keeps the unit for people.
 """
 
 import re
@@ -30,7 +30,7 @@ def described(dataset: xr.Dataset, title: str, source: str, meanings: Mapping[st
 
 
 def standard(dataset: xr.Dataset) -> dict[str, str]:
-    """Attributes that every file has, by CF and ACDD. No date and no machine: equal data give equal files."""
+    """Return the attributes of every file by CF and ACDD, without date and machine: equal data give equal files."""
     title = dataset.attrs.get("title") or "data set"
     sizes = ", ".join(f"{dim} ({size})" for dim, size in dataset.sizes.items()) or "nothing"
     names = ", ".join(str(name) for name in dataset.data_vars)
@@ -43,7 +43,7 @@ def standard(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def scaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
-    """Attributes of a variable as a file holds them."""
+    """Return a variable's attributes as in a file, with units that UDUNITS reads."""
     units = attrs.get("units")
     if not isinstance(units, str) or not (root := _ROOT.search(units)):
         return dict(attrs)
@@ -54,7 +54,7 @@ def scaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
 
 
 def unscaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
-    """Attributes that `scaled` has changed, as they were."""
+    """Undo `scaled`."""
     if SI_UNITS not in attrs:
         return dict(attrs)
     plain = {key: value for key, value in attrs.items() if key != SI_UNITS}
@@ -62,12 +62,12 @@ def unscaled(attrs: Mapping[Any, Any]) -> dict[Hashable, Any]:
 
 
 def as_stored(dataset: xr.Dataset) -> xr.Dataset:
-    """A copy with the attributes that a file holds."""
+    """Return a copy whose variables have the attributes of a file."""
     return _changed(dataset.copy(), scaled)
 
 
 def as_meant(dataset: xr.Dataset) -> xr.Dataset:
-    """The data set of a file itself, which is to be closed by its reader, with its units as people write them."""
+    """Return the data set of a file itself, which its reader closes, with units as people write them."""
     return _changed(dataset, unscaled)
 
 

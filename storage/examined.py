@@ -1,8 +1,8 @@
-"""Reads a netCDF file of unknown origin as its reader will, and refuses what is not plain.
+"""Reads a whole netCDF file of unknown origin and refuses what is not plain.
 
-It runs in a process of its own, with limits (`storage.quarantine`): as a script, or in a process that was forked. Bytes
-that were made for it can keep the HDF5 library busy for ever, make it take gigabytes or crash it, and valid ones can
-name any other file of the machine as the place of their values. It imports nothing of this program.
+It runs in a child process with limits (`storage.quarantine`), as a script or after a fork, and imports nothing of this
+program. A hostile file can keep the HDF5 library busy for ever, make it take gigabytes or crash it, and a valid one can
+name any other file of the machine as the source of its values.
 """
 
 import ctypes
@@ -10,6 +10,7 @@ import os
 import resource
 import sys
 from collections.abc import Iterator
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,14 @@ import netCDF4
 import numpy as np
 
 SECONDS = 10
-MEMORY = 2**30  # of addresses, beyond those that the process has when it starts to read
+MEMORY = 2**30  # bytes of addresses, beyond those that the process has when it starts to read
 MANY = 1000  # variables and dimensions, or attributes of one of them
 TEXT = 2**16  # bytes of a text or an attribute
 TEXTS = 2**22  # bytes of all of them together
 NOT_PLAIN = 3  # exit status
-#: Attributes that change the values, and the memory that they take, when they are read.
+#: Attributes that change values, and the memory that they take, when they are read.
 DECODING = ("_FillValue", "missing_value", "scale_factor", "add_offset", "_Unsigned")
-#: What the netCDF library writes for itself.
+#: Attributes that the netCDF library writes itself.
 OWN = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_NCProperties", "_Netcdf4Coordinates", "_Netcdf4Dimid")
 NUMBERS = [f"H5T_{kind}{end}_g" for end in ("LE", "BE") for kind in ("IEEE_F32", "IEEE_F64")]
 NUMBERS += [f"H5T_STD_{sign}{bits}{end}_g" for end in ("LE", "BE") for sign in "IU" for bits in (8, 16, 32, 64)]
@@ -34,11 +35,11 @@ _VIRTUAL, _STRONG, _DATASET, _STRING = 3, 3, 5, 3
 
 
 class NotPlainError(Exception):
-    """A file holds what no file of this program holds."""
+    """A file has contents that no file of this program has."""
 
 
 class Hdf5:
-    """Return the HDF5 library's description of a file, before any value is read."""
+    """Checks a file through the HDF5 library, before any value is read."""
 
     def __init__(self) -> None:
         self.library = ctypes.CDLL(sys.modules["netCDF4._netCDF4"].__file__)
@@ -53,7 +54,7 @@ class Hdf5:
             raise OSError("no HDF5 file")
         self._check_attributes(file, "the file")
         for name in self._names(file):
-            # anywhere but in this file there is nothing to be opened: the process may open no other
+            # a link to another file cannot be opened: the process may open no other file
             opened = self._call("H5Oopen", file, name, 0)
             what = name.decode("utf-8", "replace")
             if opened < 0 or self._call("H5Iget_type", opened) != _DATASET:
@@ -112,13 +113,13 @@ _INT = ("H5Iget_type", "H5Pget_layout", "H5Pget_external_count", "H5Tequal", "H5
 
 
 def addresses() -> int:
-    """Bytes of addresses that this process has; 0 where the system does not say."""
+    """Bytes of addresses of this process; 0 where the system does not report them."""
     used = Path("/proc/self/statm")
     return int(used.read_text(encoding="ascii").split()[0]) * resource.getpagesize() if used.exists() else 0
 
 
 def limit() -> None:
-    """Give this process little time and memory from here on, and let it open one file more at a time."""
+    """Limit time and memory of this process from here on, and let it open one more file at a time."""
     used = addresses()
     handle = os.open(os.devnull, os.O_RDONLY)
     os.close(handle)
@@ -135,7 +136,7 @@ def limit() -> None:
 
 
 def examine(path: Path, max_bytes: int) -> None:
-    """Read everything in a file."""
+    """Read a whole file; NotPlainError for unexpected contents, any error of the library for an unreadable file."""
     hdf5 = Hdf5()
     limit()
     hdf5.check(path)
@@ -152,14 +153,12 @@ def examine(path: Path, max_bytes: int) -> None:
 
 
 def _size(variable: "netCDF4.Variable[Any]") -> int:
-    count = 1
-    for length in variable.shape:
-        count *= int(length)
-    return count * (variable.dtype.itemsize if isinstance(variable.dtype, np.dtype) else 64)
+    itemsize = variable.dtype.itemsize if isinstance(variable.dtype, np.dtype) else 64
+    return prod(map(int, variable.shape)) * itemsize
 
 
 def _attributes(owner: "netCDF4.Dataset | netCDF4.Variable[Any]") -> Iterator[int]:
-    """Bytes of every attribute."""
+    """Yield the bytes of every attribute."""
     for name in owner.ncattrs():
         if name in DECODING:
             raise NotPlainError(f"unexpected attribute {name!r}")
@@ -180,7 +179,7 @@ def _bounded(what: str, text: str) -> int:
 
 
 def outcome(path: Path, max_bytes: int) -> tuple[int, str]:
-    """Exit status and reason: 0 for a plain file, `NOT_PLAIN`, or 1 for one that cannot be read."""
+    """Return exit status and reason: 0 for a plain file, `NOT_PLAIN`, or 1 for an unreadable file."""
     try:
         examine(path, max_bytes)
     except NotPlainError as error:
@@ -191,7 +190,7 @@ def outcome(path: Path, max_bytes: int) -> tuple[int, str]:
 
 
 def line(reason: str) -> bytes:
-    """A reason as it is handed over: not long, and without what would command a terminal."""
+    """Return a reason in at most 300 characters, without control characters, which could command a terminal."""
     return "".join(sign if sign.isprintable() else "?" for sign in reason[:300]).encode("utf-8", "replace")
 
 

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, and what may be read or replaced."""
+"""Plain files that appear whole or not at all, and checks of files before they are read or replaced."""
 
 import errno
 import stat
@@ -11,7 +11,7 @@ from storage.sealed import appearing
 
 
 def regular(path: Path) -> Path:
-    """The path, unless it is a device or a pipe: one never ends, the other makes its reader wait."""
+    """Return the path, or raise OSError for a device, which never ends, or a pipe, which makes its reader wait."""
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # a folder says so itself when it is opened
         raise OSError(errno.EINVAL, "not a regular file", str(path))
@@ -19,7 +19,7 @@ def regular(path: Path) -> Path:
 
 
 def output(path: Path, *inputs: Path) -> Path:
-    """Return the file that an option names, or the target of a link."""
+    """Return the output file that an option names, or a link's target; OSError if it must not be replaced."""
     target = path.resolve() if path.is_symlink() else path
     if not target.parent.is_dir():
         raise FileNotFoundError(f"{path}: the folder {target.parent} does not exist")
@@ -38,13 +38,13 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write beside the final name, then rename: a reader never sees half a file."""
+    """Write bytes, whole or not at all."""
     with writing(path) as file:
         file.write(content)
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[BinaryIO]:
-    """A file to write to, beside the final name; it takes that name in the end, or is removed after an error."""
+    """Yield a temporary file that takes its final name in the end, or is removed after an error."""
     with appearing(path) as partial, partial.open("xb") as file:
         yield file

@@ -8,6 +8,7 @@ import hashlib
 import json
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from math import prod
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -22,22 +23,20 @@ from storage.sealed import FormatError, appearing, check_seal
 CHECKSUM = "checksum"
 #: Attribute of a job's file: the question that its content answers, see `bind`.
 ANSWERS = "answers"
-# Arrays below this size gain nothing from compression.
-COMPRESS_FROM = 4096
-# what every netCDF library reads: Debian's has neither Blosc nor Zstandard
+COMPRESS_FROM = 4096  # values; smaller arrays gain nothing from compression
+# every netCDF library reads zlib; Debian's has neither Blosc nor Zstandard
 PACKED: dict[str, Any] = {"compression": "zlib", "complevel": 1, "shuffle": True}
 MAX_BYTES = 16 * 2**30
-# What one string of a variable-length array takes in memory, at least.
-STRING_BYTES = 64
+STRING_BYTES = 64  # least memory of a string in an array
 FAILURES = (OSError, RuntimeError, ValueError, LookupError, TypeError, AttributeError, ArithmeticError, MemoryError)
 
 
-_written: dict[Path, str] = {}  # what the files answer that this process is to write
-_checks: dict[Path, Callable[[Path, str], None]] = {}  # of files that this process is to read
+_written: dict[Path, str] = {}  # attribute `answers` of the files that this process writes
+_checks: dict[Path, Callable[[Path, str], None]] = {}  # checks of that attribute in files that this process reads
 
 
 def bind(written: Mapping[Path, str], checks: Mapping[Path, Callable[[Path, str], None]]) -> None:
-    """Let this process write into some files what they answer, and check that of others when it reads them."""
+    """Set the attribute `answers` of files that this process will write, and its checks in files that it will read."""
     _written.clear()
     _checks.clear()
     _written.update({path.absolute(): answers for path, answers in written.items()})
@@ -45,13 +44,13 @@ def bind(written: Mapping[Path, str], checks: Mapping[Path, Callable[[Path, str]
 
 
 def purpose(path: Path) -> dict[str, str]:
-    """Return the attribute that says what a file answers; none where nobody has said it."""
+    """Return the attribute `answers` of a file that was named to `bind`, otherwise none."""
     answers = _written.get(path.absolute())
     return {} if answers is None else {ANSWERS: answers}
 
 
 def _without_purpose(dataset: xr.Dataset, path: Path) -> xr.Dataset:
-    """Return the data without what they answer, once that is checked."""
+    """Check the attribute `answers` and return the data without it."""
     answers = dataset.attrs.pop(ANSWERS, "")
     if check := _checks.get(path.absolute()):
         check(path, str(answers))
@@ -59,12 +58,7 @@ def _without_purpose(dataset: xr.Dataset, path: Path) -> xr.Dataset:
 
 
 def write_whole(dataset: xr.Dataset, path: str | PathLike[str]) -> None:
-    """Write a data set to a netCDF-4 file that appears whole or not at all.
-
-    The attribute `checksum` is the SHA-256 of the names, dimensions, attributes and bytes of all variables. Equal data
-    sets give equal bytes. Large float arrays are compressed (zlib level 1 after a byte shuffle, which every
-    netCDF library reads).
-    """
+    """Write a data set, with its `checksum`, to a netCDF-4 file that appears whole or not; equal data, equal bytes."""
     plain = as_stored(dataset.drop_encoding())
     plain.attrs.pop(CHECKSUM, None)
     plain.attrs |= standard(plain) | purpose(Path(path))
@@ -81,7 +75,7 @@ def read_whole(
     max_bytes: int = MAX_BYTES,
     names: Collection[str] | None = None,
 ) -> xr.Dataset:
-    """Read a file of `write_whole` or `write_blocks`."""
+    """Read a file of `write_whole` or `write_blocks`: all of it, verified, or lazily, or the variables `names`."""
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
@@ -122,13 +116,13 @@ def checksum_parts(dataset: xr.Dataset) -> dict[str, str]:
 
 
 def started(dims: Iterable[Hashable], shape: Iterable[int], dtype: np.dtype[Any]) -> "hashlib._Hash":
-    """Digest of a variable's shape, to be fed with its contents, in pieces where it is large."""
+    """Return the digest of a variable's shape, to be updated with its contents, in pieces where it is large."""
     kind = dtype.newbyteorder("<").str if dtype.kind in "biuf" else "text"
     return hashlib.sha256(json.dumps([[str(dim) for dim in dims], list(shape), kind]).encode())
 
 
 def contents(values: np.ndarray[Any, Any]) -> memoryview | bytes:
-    """The bytes of numbers or strings that a digest is fed with."""
+    """Return the bytes of numbers or strings for a digest."""
     if values.dtype.kind in "biuf":
         return np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).data
     if all(isinstance(text, str) for text in values.astype(object).flat):
@@ -157,7 +151,7 @@ def _attributes(attrs: Mapping[Any, Any]) -> bytes:
 
 
 def encodings(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
-    """Encoding of every variable: large numbers are compressed, and no number stands for a missing one."""
+    """Encoding of every variable: large float arrays are compressed, and no number marks a missing value."""
     return {
         name: {"_FillValue": None, **(PACKED if variable.size >= COMPRESS_FROM else {})}
         if variable.dtype.kind == "f"
@@ -167,7 +161,7 @@ def encodings(dataset: xr.Dataset) -> dict[Hashable, dict[str, Any]]:
 
 
 def _inspect(path: Path, max_bytes: int) -> str:
-    """Check sizes in the header alone, before anything is loaded; return the checksum."""
+    """Check the sizes in the header, before any value is loaded, and return the checksum."""
     with _reported(path), netCDF4.Dataset(path, "r") as file:
         declared = sum(_size(path, variable) for variable in file.variables.values())
         unlimited = [name for name, dim in file.dimensions.items() if dim.isunlimited()]
@@ -182,9 +176,7 @@ def _inspect(path: Path, max_bytes: int) -> str:
 
 
 def _size(path: Path, variable: "netCDF4.Variable[Any]") -> int:
-    count = 1
-    for length in variable.shape:
-        count *= int(length)
+    count = prod(map(int, variable.shape))
     if variable.dtype is str:
         return count * STRING_BYTES
     if not isinstance(variable.dtype, np.dtype) or variable.dtype.kind not in "iuf":

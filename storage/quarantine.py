@@ -1,4 +1,4 @@
-"""Refuses a netCDF file of unknown origin unless a child with limits has read all of it (`storage.examined`)."""
+"""Refuses a netCDF file of unknown origin unless a child process with limits can read it (`storage.examined`)."""
 
 import contextlib
 import faulthandler
@@ -17,20 +17,17 @@ from storage import examined
 from storage.sealed import FormatError, check_seal
 
 SCRIPT = examined.__file__
-_A_THREAD = 2**27  # bytes of addresses: a heap of its own, a buffer of linear algebra
-PATIENCE = 5 * examined.SECONDS  # of waiting; a child that gets no processor is not one that never ends
+_A_THREAD = 2**27  # bytes of addresses of a thread: its heap and a buffer of linear algebra
+PATIENCE = 5 * examined.SECONDS  # of waiting, since a child may have to wait for a processor
 
 
 def try_to_read(path: str | PathLike[str], max_bytes: int) -> None:
-    """Let a child read the file: all that its reader will read, and nothing else may be in it.
-
-    A process of one thread, such as a job of the pipeline, forks; any other starts a new interpreter, which takes some
-    four times as long, since a fork would copy its other threads' locks and not the threads.
-    """
+    """Let a child process read the whole file; FormatError if it cannot, or finds unexpected contents."""
     file = Path(path)
     if not file.is_file():
         raise FileNotFoundError(f"{file}: {'is a folder' if file.is_dir() else 'no such file'}")
     check_seal(file, max_bytes)
+    # a fork would copy the locks of other threads but not the threads; a new interpreter takes four times as long
     child = _forked if _has_one_thread() else _started
     try:
         status, reason = child(file.absolute(), max_bytes)
@@ -46,7 +43,7 @@ def try_to_read(path: str | PathLike[str], max_bytes: int) -> None:
 
 @contextlib.contextmanager
 def little_memory(path: Path) -> Iterator[None]:
-    """Limit this process to `examined.MEMORY` more addresses, and some for each thread that may start."""
+    """Limit this process to `examined.MEMORY` further bytes of addresses, and some for each thread that may start."""
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     most = examined.addresses() + examined.MEMORY + _A_THREAD * (os.cpu_count() or 1)
     if soft == resource.RLIM_INFINITY or most < soft:
@@ -67,7 +64,7 @@ def _has_one_thread() -> bool:
 
 
 def _started(path: Path, max_bytes: int) -> tuple[int, str]:
-    """Exit status and reason of a new interpreter."""
+    """Return exit status and reason of an examination in a new interpreter."""
     command = [sys.executable, "-I", SCRIPT, str(path), str(max_bytes)]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}  # each thread would reserve addresses
     try:
@@ -78,7 +75,7 @@ def _started(path: Path, max_bytes: int) -> tuple[int, str]:
 
 
 def _forked(path: Path, max_bytes: int) -> tuple[int, str]:
-    """Exit status and reason of a copy of this process."""
+    """Return exit status and reason of an examination in a fork of this process."""
     receiving, sending = os.pipe()
     child = os.fork()
     if child == 0:
@@ -99,10 +96,10 @@ def _examine_and_end(path: Path, max_bytes: int, sending: int) -> NoReturn:
     status = 1
     with contextlib.suppress(BaseException):
         faulthandler.disable()  # the parent says what happened; the library says nothing
-        nothing = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nothing, 1)
-        os.dup2(nothing, 2)
-        os.close(nothing)
+        devnull = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(devnull, 1)
+        os.dup2(devnull, 2)
+        os.close(devnull)
         status, reason = examined.outcome(path, max_bytes)
         os.write(sending, examined.line(reason))
     os._exit(status)

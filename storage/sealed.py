@@ -1,7 +1,7 @@
-"""Files that appear whole or not at all, and carry a seal: their length and SHA-256, in 48 bytes behind their end.
+"""Files that appear whole or not at all, sealed by 48 bytes at their end with their length and SHA-256.
 
-Every netCDF reader ignores the seal; here it is verified before the HDF5 library sees the file, which changed bytes can
-keep busy for ever (measured: 3 in 15,000 files with a few bytes changed and sealed again).
+Every netCDF reader ignores the seal. It is verified before the HDF5 library sees the file, since altered bytes can keep
+the library busy for ever (measured: 3 in 15,000 files with a few bytes changed and sealed again).
 """
 
 import hashlib
@@ -13,14 +13,13 @@ from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 
-SEAL = struct.Struct("<8sQ32s")
-#: What a file that is being written is called: hidden, and with this ending.
-PARTIAL = ".partial"
+SEAL = struct.Struct("<8sQ32s")  # MAGIC, length, SHA-256
+PARTIAL = ".partial"  # ending of the hidden name of a file that is being written
 MAGIC = b"\x89whole\r\n"
 
 
 class FormatError(ValueError):
-    """A file is not what it should be: incomplete, altered, too large, or of an unknown kind or version."""
+    """A file is incomplete, altered, too large, or of an unknown kind or version."""
 
     def __init__(self, path: str | PathLike[str], reason: str) -> None:
         super().__init__(f"{os.fspath(path)}: {' '.join(reason.split())}")
@@ -28,7 +27,7 @@ class FormatError(ValueError):
 
 @contextmanager
 def appearing(path: Path, *, sealed: bool = False) -> Iterator[Path]:
-    """Give a temporary name in the same folder; what is written there is flushed and renamed in the end."""
+    """Yield a temporary name in the same folder; the file written there is flushed and renamed in the end."""
     if not path.parent.is_dir():
         raise FileNotFoundError(f"{path}: the folder {path.parent} does not exist")
     partial = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}{PARTIAL}")
@@ -72,7 +71,7 @@ def check_seal(path: Path, max_bytes: int, *, digest: bool = True) -> str:
 
 
 def sha256(path: Path, length: int | None = None) -> bytes:
-    """SHA-256 of the beginning of a file."""
+    """SHA-256 of the first `length` bytes of a file, or of all of it."""
     digest, left = hashlib.sha256(), path.stat().st_size if length is None else length
     with path.open("rb") as file:
         while left > 0 and (part := file.read(min(left, 2**20))):
@@ -82,7 +81,7 @@ def sha256(path: Path, length: int | None = None) -> bytes:
 
 
 def _explained(error: OSError | RuntimeError, partial: Path, path: Path) -> OSError | None:
-    """The system's reason (disk full, quota, permission) with the final name; None where another file is to blame."""
+    """Return the system's reason (disk full, quota, permission) with the final name; None if it is of another file."""
     if isinstance(error, OSError) and (error.errno or 0) > 0:
         other = error.filename is not None and partial.name not in str(error.filename)
         return None if other else OSError(error.errno, error.strerror, os.fspath(path))

@@ -27,8 +27,8 @@ SHOWING = [
 
 SERVER = ROOT / "examples/umbridge_server.py"  # needs a package that is not installed
 SCRIPTS = sorted({*(ROOT / "examples").glob("*.py")} - {SERVER})
-#: Left to `make soak`; `make test` asks as much in workflow/design/test_search.py, solver/face/test_films.py,
-#: surrogate/intervals/ and solver/line/test_grading.py.
+#: Left to `make soak`; `make test` asks as much in workflow/design/test_search.py, solver/face/test_films.py
+#: and surrogate/intervals/.
 LONG = {"design.py", "film_voltage.py", "graded_film.py", "intervals.py"}
 GALLERY = (ROOT / "docs/gallery.md").read_text(encoding="utf-8").split("\n### ")
 NUMBER = r"\d+\.\d+(?:e[+-]\d+)?"

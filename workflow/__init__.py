@@ -1,1 +1,1 @@
-"""What an engineer asks for: studies, the pipeline's steps, the report and the command line."""
+"""Studies, the steps of the pipeline, the report and the command line."""

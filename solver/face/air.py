@@ -1,4 +1,4 @@
-"""Cases with air beside the contact: a film's as without, a half-plane's as a film bonded to its own material."""
+"""Cases with air beside the contact, on films and on half-planes, which are films bonded to their own material."""
 
 from collections.abc import Sequence, Set
 from dataclasses import replace
@@ -15,7 +15,7 @@ from solver.gap.fields import body_curves, body_peaks, curves, fields, inside, p
 from solver.gap.quantities import quantities
 from solver.names import PEAKS
 
-_HALF_LENGTH = 10**0.25  # of half-planes over the thickness: the middle of a window
+_HALF_LENGTH = 10**0.25  # over the thickness of the film that replaces a half-plane: the middle of a window
 
 
 class FilmInAir(OnFilm):
@@ -23,19 +23,17 @@ class FilmInAir(OnFilm):
 
     _outputs = Outputs(quantities, peaks, curves, fields, inside)
 
-    def _medium(self, places: Indices) -> tuple[Array, ...]:
-        """Relative permittivity of what fills the gaps of some cases; (place,)."""
-        return (self._flat(self.cases.number("gap_permittivity"))[places],)
+    def _medium(self, index: Indices) -> tuple[Array, ...]:
+        """Relative permittivity in the gaps of the indexed cases; (case,)."""
+        return (self._flat(self.cases.number("gap_permittivity"))[index],)
 
 
 class HalfPlaneInAir(FilmInAir):
-    """The same on half-planes.
+    """Contact of cases of one kind of punch on half-planes, with air beside it."""
 
-    Its half-length is that of the closed form: a half-plane's pressure does not know what charges lie beside it.
-    """
-
-    def _made(self) -> Bodies:
-        """Half-planes as films of their own material, as thick as puts all contacts into the middle of one window."""
+    def _films_of_cases(self) -> Bodies:
+        """Return films of the half-planes' materials, so thick that all contacts are in the middle of one window."""
+        # the half-length is that of the closed form: charges beside the contact do not change a half-plane's pressure
         with np.errstate(all="ignore"):
             return replace(films_of(self.cases), thickness=contact_of(self.cases).half_width / _HALF_LENGTH)
 

@@ -1,4 +1,4 @@
-"""Cases of point contacts with air beside them: bodies and punches are those without."""
+"""Cases of point contacts with air beside them."""
 
 from collections.abc import Set
 
@@ -13,20 +13,20 @@ from solver.gap.pointquantities import fields, inside, peaks, quantities
 from solver.point.contact import Pressed
 from solver.point.sliding import warn_of_order
 
-#: Tractions of the surface that charges beside the contact are.
+#: Tractions of the surface that continue beside the contact, as charges.
 _CARRIED = ("electric_displacement", "magnetic_induction")
 
 
 class _InAir(OnPoints):
-    """What half-spaces and films have in common."""
+    """Contacts at points of half-spaces or films with air beside them."""
 
     def quantities(self) -> dict[str, Array]:
-        """Those of the kind that every case has, to the first order in friction; (...)."""
+        """Quantities of the kind that every case has, to the first order in friction; (...)."""
 
-        def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
+        def solved(pressed: Pressed, index: Indices) -> dict[str, Array]:
             warn_of_order(pressed)
-            permittivity, end = self._gap(places)
-            rim = None if pressed.friction is None else self._rim(places, pressed)
+            permittivity, end = self._gap(index)
+            rim = None if pressed.friction is None else self._rim(index, pressed)
             values = with_nominal_field(quantities(pressed, permittivity, end, rim), pressed)
             if "gap_radius" in self.cases.values and np.any(narrow := values["contact_radius"] > end):
                 raise CaseError(
@@ -41,30 +41,27 @@ class _InAir(OnPoints):
         if np.any(self._friction):
             slid = self._slid(positions, _CARRIED)
             return self._with_regular(slid, positions) if regular else slid
-        values = self._of_parts(lambda pressed, places: fields(pressed, *self._gap(places), positions))
+        values = self._of_parts(lambda pressed, index: fields(pressed, *self._gap(index), positions))
         if self._lacks_c12 is None:
             values |= self._at_surface(positions, [name for name in SURFACE if SURFACE[name] in POINT_NEED_C12])
         return self._with_regular(values, positions) if regular else values
 
-    def _peaks(self, pressed: Pressed, places: Indices, requested: Set[str]) -> dict[str, Array]:
-        return peaks(pressed, *self._gap(places), self._inside(places, pressed), requested)
+    def _peaks(self, pressed: Pressed, index: Indices, requested: Set[str]) -> dict[str, Array]:
+        return peaks(pressed, *self._gap(index), self._inside(index, pressed), requested)
 
-    def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
-        return inside(pressed, *self._gap(places), self._inside(places, pressed), x, y, names)
+    def _fields(self, pressed: Pressed, index: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+        return inside(pressed, *self._gap(index), self._inside(index, pressed), x, y, names)
 
-    def _gap(self, places: Indices) -> tuple[Array, Array]:
-        """Relative permittivity of what fills the gaps of some cases, and where they end [m]; (place,) each.
-
-        A sphere's gap ends at its radius, unless said otherwise.
-        """
+    def _gap(self, index: Indices) -> tuple[Array, Array]:
+        """Relative permittivity and end [m], by default a sphere's radius, of the indexed cases' gaps; (case,) each."""
         number, radius = self.cases.number, self.cases.values.get("gap_radius", np.array(np.nan))
         end = np.where(np.isnan(radius), number("radius"), radius)
-        return self._flat(number("gap_permittivity"))[places], self._flat(end)[places]
+        return self._flat(number("gap_permittivity"))[index], self._flat(end)[index]
 
 
 class HalfSpaceInAir(_InAir, OnHalfSpace):
-    """Points on half-spaces with air beside them."""
+    """Contacts at points of half-spaces with air beside them."""
 
 
 class PointFilmInAir(_InAir, OnPointFilm):
-    """Points on films with air beside them."""
+    """Contacts at points of films with air beside them."""

@@ -1,4 +1,4 @@
-"""Global attributes of a solution: what it is, and what was used although no factor says it."""
+"""Attributes of a solution and of its outputs, including the defaults that were used."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -24,7 +24,7 @@ from solver.names import (
     PROFILES,
 )
 
-#: How every solution is made (CF: the method of production).
+#: Method of each kind of contact (CF: the method of production).
 SOURCES: dict[Touch, str] = {
     "line": "meecontact: closed-form solution of plane contact in the Stroh formalism",
     "point": "meecontact: closed-form solution of axisymmetric contact in the Stroh formalism",
@@ -38,7 +38,7 @@ _TEXTS = ("title", "source")
 
 
 def attributes(title: str, cases: FactorValues, phases: Sequence[str | Material]) -> dict[str, str]:
-    """Title, source, composite and phases, and the defaults of all factors that were not given."""
+    """Return title, source, composite, phases, and the defaults of all factors that were not given."""
     defaults, arrays, kinds = _defaults(cases), cases.arrays, cases.kinds
     attrs = {
         "title": title.replace("half-plane", " or ".join(sorted(kind.name for kind in kinds))),
@@ -58,7 +58,7 @@ def attributes(title: str, cases: FactorValues, phases: Sequence[str | Material]
 
 
 def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
-    """CF attributes of an output of cases of some kinds; what depends on a datum says which ones they have."""
+    """Return the CF attributes of an output of cases of some kinds, with the datum that it depends on."""
     attrs = _of_body(described, arrays, kinds)
     line = any(kind.contact == "line" for kind in kinds)
     if described.on_punch and line and not set(OF_A_PUNCH).isdisjoint(arrays):
@@ -67,7 +67,7 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: S
 
 
 def _of_body(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Sequence[Kind]) -> dict[str, str]:
-    """The same, of the datum of the body."""
+    """Return the CF attributes of an output, with the datum of the body."""
     if not described.on_datum:
         return described.attrs
     if all(kind.datum == "absolute" for kind in kinds):
@@ -84,18 +84,18 @@ def _of_body(described: Described, arrays: Mapping[str, xr.DataArray], kinds: Se
 
 
 def united(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
-    """Attributes of solutions that are put together: lists hold what any of them holds, texts are the fullest."""
-    whole = dict(parts[0])
-    whole |= {key: max((str(part.get(key, "")) for part in parts), key=len) for key in _TEXTS if key in whole}
+    """Join the attributes of joined solutions: the union of their lists, the longest of their texts."""
+    attrs = dict(parts[0])
+    attrs |= {key: max((str(part.get(key, "")) for part in parts), key=len) for key in _TEXTS if key in attrs}
     for key in _LISTS:
         entries = [entry for part in parts for entry in str(part.get(key, "")).split(", ") if entry]
         if entries:
-            whole[key] = ", ".join(dict.fromkeys(entries))
-    return whole
+            attrs[key] = ", ".join(dict.fromkeys(entries))
+    return attrs
 
 
 def _defaults(cases: FactorValues) -> dict[str, float | str]:
-    """Defaults that are used; only what a profile takes is one."""
+    """Return the defaults that the cases use."""
     arrays = cases.arrays
     defaults: dict[str, float | str] = {
         name: factor.default for name, factor in FACTORS.items() if factor.default is not None and name not in arrays
@@ -104,7 +104,7 @@ def _defaults(cases: FactorValues) -> dict[str, float | str]:
     takes = {name for kind in profiles if not isinstance(kind, Profile) for name in PROFILES[str(kind)].may}
     if "slope" in takes and not {"slope", "moment"} & set(arrays):
         defaults["slope"] = 0.0
-    spared = {"composite"} if {"material", BODY} & set(arrays) else set()
+    spared = {"composite"} if {"material", BODY} & set(arrays) else set()  # choices that are not listed
     spared |= set() if "corner" in takes else {"corner"}
     spared |= {name for kind in KINDS.values() for name in kind.factors}
     if BODY not in arrays:
@@ -128,4 +128,5 @@ def _defaults(cases: FactorValues) -> dict[str, float | str]:
 
 
 def _kinds(arrays: Mapping[str, xr.DataArray], name: str) -> list[Any]:
+    """Return the distinct values of a factor, none if it is not given."""
     return list(dict.fromkeys(arrays[name].values.ravel().tolist())) if name in arrays else []

@@ -1,4 +1,4 @@
-"""Base class of all bodies: names of fields, fields that need c12, and joining the answers of groups of cases."""
+"""Base class of all bodies: names of fields, fields that need c12, and joining the outputs of groups of cases."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence, Set
@@ -20,9 +20,9 @@ from solver.material.constants import MaterialError
 
 
 class Body(ABC):
-    """Cases of one kind, solved: arrays by the names of ``solver.names`` over the axes of the cases, then own axes."""
+    """Solved cases of one kind: arrays by the names of ``solver.names``, over the case axes, then other axes."""
 
-    #: Whether there are places without fields, which are NaN: those in a rigid base.
+    #: Whether fields may be NaN at some points, such as those in a rigid base.
     hollow: ClassVar[bool] = True
     #: Fields inside that need c12, and fields on the surface that are singular at the edges.
     _need_c12: ClassVar[tuple[str, ...]] = NEED_C12
@@ -34,10 +34,10 @@ class Body(ABC):
 
     @abstractmethod
     def quantities(self) -> dict[str, Array]:
-        """Quantities that come together and that every case has; (...)."""
+        """Quantities that are solved together and that every case has; (...)."""
 
     def requested(self, names: Set[str] | None) -> dict[str, Array]:
-        """Quantities of these names, None for all; more of them where that costs nothing; (...)."""
+        """Quantities of these names (None: all), and others that cost nothing; (...)."""
         return self.quantities()
 
     @abstractmethod
@@ -46,18 +46,18 @@ class Body(ABC):
 
     @abstractmethod
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Sizes and curves of regions that every case has, see ``solver.curves``; (...) and (..., point)."""
+        """Sizes and curves of regions (``solver.curves``) that every case has; (...) and (..., point)."""
 
-    @np.errstate(all="ignore")  # here and below: what is not finite is named in the outputs
+    @np.errstate(all="ignore")  # here and below: values that are not finite are reported with the outputs
     def surface(self, positions: Array, *, regular: bool) -> dict[str, Array]:
-        """Surface fields, (..., position); those singular at the edges also in regular form if `regular`."""
+        """Surface fields, and if ``regular`` the regular form of those singular at the edges; (..., position)."""
         values = self._surface(positions, regular)
         ordered = [name for field in {**FIELDS, **POINT_FIELDS} for name in (field, f"{field}_regular")]
         return {name: values[name] for name in ordered if name in values}
 
     @np.errstate(all="ignore")
     def interior(self, x: Array, y: Array, requested: Sequence[str] | None) -> dict[str, Array]:
-        """Fields inside on the grid of two axes, of a point contact in the plane of symmetry; (..., y, x)."""
+        """Fields inside on a grid, for a point contact in a plane through the axis; (..., y, x)."""
         names = requested or [name for name in INTERIOR if name not in self._need_c12 or self._lacks_c12 is None]
         for name in names:
             if name in self._need_c12:
@@ -75,28 +75,30 @@ class Body(ABC):
     @property
     @abstractmethod
     def _lacks_c12(self) -> str | None:
-        """The name of a material without c12."""
+        """Name of a material without c12, or None."""
 
     def _require_c12(self, what_needs: str) -> None:
+        """Refuse a material without c12."""
         if self._lacks_c12 is not None:
             raise MaterialError(f"{self._lacks_c12}: c12: missing; {what_needs} it [Pa]")
 
     def _with_regular(self, values: dict[str, Array], positions: Array) -> dict[str, Array]:
-        """Surface fields, and those that are singular at the edges times their root; (..., position) each."""
+        """Surface fields, and the singular ones times sqrt|1 - X^2|; (..., position) each."""
         root = np.sqrt(np.abs((1 - positions) * (1 + positions)))
         return values | {f"{name}_regular": values[name] * root for name in self._singular if name in values}
 
     def _refuse_electroded(self, what: str) -> None:
+        """Refuse outputs that are not solved under an electrode on top."""
         if np.any(electroded(self.cases)):
             raise FactorError(f"electrode: 'top': {what} under it are not given; ask for quantities alone")
 
     def _flat(self, values: NDArray[Scalar], *axes: int) -> NDArray[Scalar]:
-        """Values of all cases in a row; (case, own axes)."""
+        """Values of all cases along one axis; (case, other axes)."""
         return np.broadcast_to(values, (*self.shape, *axes)).reshape(-1, *axes)
 
     @np.errstate(all="ignore")
     def _put_together(self, parts: Iterable[tuple[Indices, Mapping[str, Array]]]) -> dict[str, Array]:
-        """Outputs of all cases from places of some among them and outputs of these, as far as all have them; (...)."""
+        """Join outputs of indexed cases, as far as all cases have them; (...)."""
         try:
             solved = list(parts)
         except ContactError as error:

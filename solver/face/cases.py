@@ -1,7 +1,7 @@
-"""The one way through the face: checked factors, one body for the cases of a kind, labelled outputs, put together.
+"""Cases of checked factors: sorted by kind, solved in blocks, and labelled.
 
-An entrance (:func:`solver.solve`, :func:`solver.solve_interior`) says which outputs of a body it asks for, and nothing
-about how the cases are told apart, aligned or labelled. Which body the cases lie on is decided by ``face/solution.py``.
+The public functions (:func:`solver.solve`, :func:`solver.solve_interior`) state the outputs of a body that they
+request, and leave sorting, aligning and labelling to this module. ``face/solution.py`` chooses the body.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,7 +30,7 @@ from solver.threads import one_thread
 _BLOCK = 32768  # rows of a table that are solved at a time: some 1 kB of temporaries each
 _DISTINCT = 4096  # materials of a table whose tensors are stored: 2 kB each
 _VALUES = 2**17  # of a field or a search at a time: some hundred temporaries of 8 bytes each inside the body
-_OF_A_KIND = ("profile", "corner")  # one of each at a time; what varies is solved part by part
+_OF_A_KIND = ("profile", "corner")  # factors that are equal in cases solved together
 
 Rows: TypeAlias = slice | Indices
 
@@ -41,9 +41,8 @@ class Cases(FactorValues):
 
     materials: Mapping[str, Material]
     phases: Sequence[str | Material]
-    # Of a block of a table: a case of each distinct material and speed, and the one of each row unless all share one
-    distinct: Self | None = None
-    case_index: Indices | None = None
+    distinct: Self | None = None  # In a block of a table: one case of each distinct material and speed
+    case_index: Indices | None = None  # In a block of a table: index of each row among these, unless all share one
 
     @property
     def force(self) -> Array:
@@ -63,7 +62,7 @@ class Cases(FactorValues):
 
     @property
     def profile(self) -> Profile:
-        """The one profile of cases of a kind."""
+        """Profile that all cases share."""
         kind, corner = (self._one(name) for name in _OF_A_KIND)
         if isinstance(kind, Profile):
             return kind
@@ -76,7 +75,7 @@ class Cases(FactorValues):
 
     @property
     def smooth_edges(self) -> tuple[bool, bool]:
-        """Return whether the leading and the trailing edge of cases of a kind are smooth: the punch has no corner."""
+        """True for the leading and the trailing edge of the contact if the punch has no corner there."""
         if self.kind.contact == "point":
             smooth = self._one("profile") != "disc"
             return smooth, smooth
@@ -85,22 +84,22 @@ class Cases(FactorValues):
 
     @property
     def outline(self) -> Outline:
-        """Factors that the profile of the cases takes; none if the user made the profile."""
+        """Factors of the cases' profile, none for a profile of the user."""
         kind = self._one("profile")
         return Outline(()) if isinstance(kind, Profile) else PROFILES[kind]
 
     def _one(self, name: str) -> Any:
-        """A named choice that all cases share, or its default."""
+        """Return a choice that all cases share, or its default."""
         return self.values[name].flat[0] if name in self.values else CHOICES[name][0]
 
     @property
     def kind(self) -> Kind:
-        """The kind of body of cases of one kind."""
+        """Kind of body that all cases share."""
         return self.kinds[0]
 
     @property
     def coordinates(self) -> dict[str, xr.Variable]:
-        """The factors as coordinates with units, and labels of the cases; materials and own profiles by name."""
+        """Factors as coordinates with units, objects by name, and labels of the cases."""
         out: dict[str, xr.Variable] = {}
         for name, array in self.arrays.items():
             labels = [dim for dim in array.dims if dim in array.coords and dim not in self.arrays]
@@ -124,58 +123,53 @@ class Cases(FactorValues):
         *,
         hollow: bool = False,
     ) -> dict[str, xr.Variable]:
-        """Outputs over the dimensions of the cases and own axes; what does not vary is a broadcast view.
-
-        values: mapping of str to ndarray, shape (..., own axes), SI.
-        """
+        """Return outputs (..., other axes), SI, over the dimensions of the cases and ``axes``, as broadcast views."""
         extra = {name: axis.size for name, axis in (axes or {}).items()}
         outputs = {}
         for name, value in values.items():
             finite = np.isfinite(value)
             if not finite.all() and not np.all(finite | (np.isnan(value) & (described[name].sparse | hollow))):
                 raise CaseError(f"{name}: not finite for these {origin}")
-            whole = np.broadcast_to(value, (*self.sizes.values(), *extra.values()))
-            outputs[name] = xr.Variable(
-                (*self.sizes, *extra), whole, of_output(described[name], self.arrays, self.kinds)
-            )
+            data = np.broadcast_to(value, (*self.sizes.values(), *extra.values()))
+            attrs = of_output(described[name], self.arrays, self.kinds)
+            outputs[name] = xr.Variable((*self.sizes, *extra), data, attrs)
         return outputs
 
     def by_blocks(
-        self, solved: Callable[[Self], Sequence[Mapping[str, Array]]], *shapes: tuple[int, ...], values: int = 1
+        self,
+        solved: Callable[[Self], Sequence[Mapping[str, Array]]],  # Returns outputs by name for each of the shapes
+        *shapes: tuple[int, ...],  # Of the axes after those of the cases
+        values: int = 1,  # Numbers per case in the largest temporaries
     ) -> list[Mapping[str, Array]]:
-        """Outputs of all cases, as far as all have them; a table of closed forms is solved block by block.
-
-        solved: returns outputs by name for each of the shapes of own axes; (..., own axes). values: numbers a case
-        that its largest temporaries hold.
-        """
+        """Return outputs that all cases have, and solve a table of closed forms block by block; (..., other axes)."""
         if len(self.sizes) != 1 or self.kind.tabled:
             return list(solved(self))
-        whole: list[dict[str, Array]] | None = None
+        joined: list[dict[str, Array]] | None = None
         for rows, block in self._blocks(min(_BLOCK, max(1, _VALUES // values)), sort=values > 1):
             parts = solved(block)
-            if whole is None:
-                whole = [dict[str, Array]() for _ in shapes]
+            if joined is None:
+                joined = [dict[str, Array]() for _ in shapes]
                 names = [list(outputs) for outputs in parts]
-            for outputs, known, shape, wanted in zip(parts, whole, shapes, names, strict=True):
-                wanted[:] = [name for name in wanted if name in outputs]
-                for name in wanted:
+            for outputs, known, shape, common in zip(parts, joined, shapes, names, strict=True):
+                common[:] = [name for name in common if name in outputs]
+                for name in common:
                     self._fill(known, name, outputs[name], shape, rows)
-        return [{name: known[name] for name in wanted} for known, wanted in zip(whole or (), names, strict=True)]
+        return [{name: known[name] for name in common} for known, common in zip(joined or (), names, strict=True)]
 
-    def _fill(self, whole: dict[str, Array], name: str, values: Array, shape: tuple[int, ...], rows: Rows) -> None:
-        """Put an output of some rows among those of all; one that no row changes is kept once."""
-        known = whole.get(name)
+    def _fill(self, outputs: dict[str, Array], name: str, values: Array, shape: tuple[int, ...], rows: Rows) -> None:
+        """Insert an output of some rows, which is stored once if it is equal in all rows."""
+        known = outputs.get(name)
         if values.ndim <= len(shape) and (known is None or np.array_equal(values, known, equal_nan=True)):
-            whole[name] = values
+            outputs[name] = values
             return
         if known is None or known.ndim <= len(shape):
-            whole[name] = np.empty((*self.sizes.values(), *shape))
+            outputs[name] = np.empty((*self.sizes.values(), *shape))
             if known is not None:
-                whole[name][...] = known
-        whole[name][rows] = values
+                outputs[name][...] = known
+        outputs[name][rows] = values
 
     def _blocks(self, most: int, sort: bool) -> Iterator[tuple[Rows, Self]]:
-        """Yield rows and cases of each block; sorted rows of one material follow each other."""
+        """Yield rows and cases of each block, sorted by material if ``sort`` or if there are many."""
         ((dim, count),) = self.sizes.items()
         columns = {name: array.values for name, array in self.arrays.items()}
         keys = [columns[name] for name in (*OF_MATERIAL, "speed") if name in columns and columns[name].ndim]
@@ -188,8 +182,8 @@ class Cases(FactorValues):
         begin, end = 0, most
         while begin < count:
             if order is not None and count > most:
-                alike = min(_alike(number[order[begin:end]]) for number in numbers)
-                end = begin + alike if alike > most // 8 else end  # enough for a block of one material
+                equal = min(_equal_at_start(number[order[begin:end]]) for number in numbers)
+                end = begin + equal if equal > most // 8 else end  # enough for a block of one material
             rows = slice(begin, end) if order is None else order[begin:end]
             arrays = {name: _column(values, rows, dim) for name, values in columns.items()}
             case_index = None if first.size == 1 else which[rows]
@@ -197,7 +191,7 @@ class Cases(FactorValues):
             begin, end = end, end + most
 
     def solved(self, title: str, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
-        """The part of each kind of case, put together, with global attributes."""
+        """Return the joined solutions of each kind of case by ``part``, with global attributes."""
         try:
             with one_thread():
                 return self._by_kind(part).assign_attrs(attributes(title, self, self.phases))
@@ -205,46 +199,45 @@ class Cases(FactorValues):
             trim_at_times()
 
     def _by_kind(self, part: Callable[[Self], xr.Dataset]) -> xr.Dataset:
-        """The part of each profile, corner, surroundings and body, put together along what they vary on."""
-        of_a_kind = (self.values.get(name, np.array("")) for name in (*_OF_A_KIND, "surroundings"))
-        for labels in (*of_a_kind, self.kind_names):
+        """Return the joined solutions of each profile, corner, surroundings and kind of body by ``part``."""
+        choices = (self.values.get(name, np.array("")) for name in (*_OF_A_KIND, "surroundings"))
+        for labels in (*choices, self.kind_names):
             if labels.size < 2 or len(dict.fromkeys(labels.flat)) < 2:
                 continue
-            axis, places = _split(labels)
+            axis, groups = _split(labels)
             dim = [*self.sizes][axis]
-            solved = [self.selected(dim, place)._by_kind(part) for place in places]
+            solved = [self.selected(dim, group)._by_kind(part) for group in groups]
             shared = [key for key in solved[0].data_vars if all(key in part for part in solved)]
-            whole = xr.concat(
+            joined = xr.concat(
                 [part[shared] for part in solved],
                 dim, data_vars="all", coords="minimal", compat="override", join="override",
             )  # fmt: skip
-            return whole.isel({dim: np.argsort(np.concatenate(places))})
+            return joined.isel({dim: np.argsort(np.concatenate(groups))})
         return part(self)
 
-    def selected(self, dim: str, places: NDArray[np.intp]) -> Self:
-        """Cases at some places of a dimension."""
-        arrays = self.arrays.items()
-        part = {k: a.isel({dim: places}) if dim in a.dims else a for k, a in arrays}
-        return replace(self, arrays=part, distinct=None, case_index=None)
+    def selected(self, dim: str, indices: NDArray[np.intp]) -> Self:
+        """Return the cases at indices along a dimension."""
+        arrays = {name: a.isel({dim: indices}) if dim in a.dims else a for name, a in self.arrays.items()}
+        return replace(self, arrays=arrays, distinct=None, case_index=None)
 
 
 def factorized(labels: NDArray[Any]) -> tuple[NDArray[Any], Sequence[Any]]:
-    """Number of each label, in small integers, which are sorted fastest, and the distinct labels."""
+    """Return the number of each label, in small integers, which sort fastest, and the distinct labels."""
     flat = labels.ravel()
     try:
         codes, distinct = pd.factorize(flat, use_na_sentinel=False)
-    except TypeError:  # no label, and refused when the material is looked up
+    except TypeError:  # not hashable, and refused when the material is looked up
         codes, distinct = np.arange(flat.size), flat
     return codes.astype(np.int16) if len(distinct) < 2**15 else codes, flat[_first(codes)].tolist()
 
 
 def _first(codes: NDArray[Any]) -> Indices:
-    """Place of each code, which are numbered as they first occur."""
+    """Index of each code's first occurrence, of codes numbered in that order."""
     return np.flatnonzero(np.diff(np.maximum.accumulate(codes), prepend=-1))
 
 
 def _distinct(numbers: Sequence[NDArray[Any]]) -> tuple[Indices, Indices]:
-    """First row of each distinct combination of numbers, and the combination of every row."""
+    """Return the first row of each distinct combination of numbers, and the index of each row's combination."""
     if not numbers:
         return np.zeros(1, dtype=np.intp), np.zeros(0, dtype=np.intp)
     codes = pd.factorize(numbers[0], use_na_sentinel=False)[0]
@@ -254,33 +247,34 @@ def _distinct(numbers: Sequence[NDArray[Any]]) -> tuple[Indices, Indices]:
     return _first(codes), codes
 
 
-def _alike(values: NDArray[Any]) -> int:
-    """Number of values at the beginning that are those of the first."""
+def _equal_at_start(values: NDArray[Any]) -> int:
+    """Number of leading values that equal the first."""
     changes = np.append(values[1:] != values[:-1], True)
     return int(np.argmax(changes)) + 1
 
 
 def _column(values: NDArray[Any], rows: Rows, dim: str) -> xr.DataArray:
-    """Rows of a column, without dimension where one value is that of all."""
+    """Return rows of a column, or a scalar if all are equal."""
     if not values.ndim:
         return xr.DataArray(values)
     part = values[rows]
-    alike = part[0] == part[-1] and np.all(part == part[:1])
-    return xr.DataArray(part[:1].reshape(())) if alike else xr.DataArray(part, dims=dim)
+    equal = part[0] == part[-1] and np.all(part == part[:1])
+    return xr.DataArray(part[:1].reshape(())) if equal else xr.DataArray(part, dims=dim)
 
 
 def _split(kinds: NDArray[Any]) -> tuple[int, list[Indices]]:
-    """An axis along which kinds differ, and the places on it that are alike on all others."""
+    """Return an axis along which kinds differ, and groups of indices on it with equal kinds on all other axes."""
     for axis, count in enumerate(kinds.shape):
-        slices: dict[tuple[object, ...], list[int]] = {}
-        for place, values in enumerate(np.moveaxis(kinds, axis, 0).reshape(count, -1)):
-            slices.setdefault(tuple(values), []).append(place)
-        if len(slices) > 1:
+        groups: dict[tuple[object, ...], list[int]] = {}
+        for index, values in enumerate(np.moveaxis(kinds, axis, 0).reshape(count, -1)):
+            groups.setdefault(tuple(values), []).append(index)
+        if len(groups) > 1:
             break
-    return axis, [np.array(places) for places in slices.values()]
+    return axis, [np.array(indices) for indices in groups.values()]
 
 
 def _label(value: object) -> str:
+    """Return the text of a value of a factor in coordinates."""
     if isinstance(value, Material | Stack):
         return value.name
     return "own" if isinstance(value, Profile | np.ndarray) else str(value)

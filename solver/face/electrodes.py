@@ -1,4 +1,4 @@
-"""Reading of an electrode from the factors of cases: which electrode, and which patch of it."""
+"""Reading of an electrode and its patches, from the factors of cases."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from solver.stack.electrodes import DISC, STRIP, Reading
 
 
 def reading_of(cases: Cases) -> Reading | None:
-    """Reading of the cases; None without a ``collector``."""
+    """Return the reading of the cases, None without a ``collector``."""
     if "collector" not in cases.values:
         return None
     axes = tuple(cases.sizes.values())
@@ -25,5 +25,5 @@ def reading_of(cases: Cases) -> Reading | None:
 
 
 def electroded(cases: Cases) -> BoolArray:
-    """Return whether an electrode without stiffness lies on the film; (...)."""
+    """Return True for cases with an electrode without stiffness on the film; (...)."""
     return cases.among("electrode", "top")

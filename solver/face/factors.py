@@ -1,4 +1,4 @@
-"""Named factors of the cases, checked: every name known, every value allowed, dimensions that fit."""
+"""Check of the factors of cases: names, values and dimensions."""
 
 from collections.abc import Mapping
 from contextlib import suppress
@@ -27,10 +27,7 @@ _OUTPUT_DIMS = ("position", "x", "y")
 
 
 def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyType({})) -> dict[str, xr.DataArray]:
-    """Factors as arrays with dimensions, every name known and every value allowed.
-
-    Cut crystals and metals among a user's materials stand in place of their names: they decide the kind of a contact.
-    """
+    """Return factors as arrays with dimensions, or refuse an unknown name, a value or dimensions that do not fit."""
     values_of = by_name(factors)
     known = (*MATERIALS, *CHOICES, *FACTORS, BODY, HEIGHT_MAP)
     arrays: dict[str, xr.DataArray] = {}
@@ -43,7 +40,7 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
             raise FactorError(f"{name}: unknown factor; {hint}")
         array = _array(str(name), value)
         if name in MATERIALS:
-            array = _with_deciding(array, materials)
+            array = _with_materials(array, materials)
         if name in FACTORS:
             _check_modulus(str(name), array)
             array = _number(str(name), _in_si(str(name), array))
@@ -64,19 +61,19 @@ def checked(factors: Factors, materials: Mapping[str, Material] = MappingProxyTy
     return arrays
 
 
-def _with_deciding(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
-    """Materials with cut crystals and metals of the user in place of their names."""
+def _with_materials(array: xr.DataArray, materials: Mapping[str, Material]) -> xr.DataArray:
+    """Replace names of the user's cut crystals and metals, which decide the kind of a contact, by the materials."""
     deciding = {name: m for name, m in materials.items() if not m.axial or np.any(m.conductor)}
     if not deciding or array.dtype.kind not in "OU":
         return array
     cells = np.empty(array.shape, dtype=object)
-    for place, value in np.ndenumerate(array.values):
-        cells[place] = deciding.get(str(value), value) if isinstance(value, str) else value
+    for index, value in np.ndenumerate(array.values):
+        cells[index] = deciding.get(str(value), value) if isinstance(value, str) else value
     return array.copy(data=cells)
 
 
 def _check_modulus(name: str, array: xr.DataArray) -> None:
-    """No modulus is so small that it has lost its unit; a text with its unit passes."""
+    """Refuse a bare modulus so small that it has probably lost its unit."""
     if name.endswith("_modulus") and array.dtype.kind in "iuf":
         values = array.values.astype(np.float64)
         if complaint := question("young", values[(values > 0) & (values < 1e6)], "Pa"):
@@ -84,12 +81,12 @@ def _check_modulus(name: str, array: xr.DataArray) -> None:
 
 
 def _array(name: str, value: object) -> xr.DataArray:
-    """A scalar without dimension, a plain sequence as a dimension named after its factor."""
+    """Return a scalar without dimension, or a plain sequence along a dimension named after its factor."""
     if isinstance(value, xr.DataArray):
         return value.reset_coords(drop=True)
     if isinstance(value, Material | Profile | Stack) or (name == HEIGHT_MAP and np.ndim(cast(ArrayLike, value)) > 1):
         values = np.empty((), object)
-        values[()] = value  # of a map all heights
+        values[()] = value  # all heights of a map are one value
     else:
         try:
             value = unmasked(value)
@@ -102,19 +99,19 @@ def _array(name: str, value: object) -> xr.DataArray:
 
 
 def _type(value: object) -> type | None:
-    """Object where numpy would turn the numbers of a mixed list into text."""
+    """Return the type object for a mixed list, whose numbers numpy would turn into text."""
     listed = value if isinstance(value, list | tuple) else ()
     return object if any(isinstance(item, str | Material | Profile | Stack) for item in listed) else None
 
 
 def _in_si(name: str, array: xr.DataArray) -> xr.DataArray:
-    """Texts such as "20 um" as numbers in SI; what else there is, as it is."""
+    """Return texts such as "20 um" as numbers in SI, and other values unchanged."""
     if array.dtype.kind in "iuf" or not any(isinstance(text, str) for text in array.values.flat):
         return array
     factor, values = FACTORS[name], np.empty(array.shape, dtype=object)
-    for place, entry in np.ndenumerate(array.values):
+    for index, entry in np.ndenumerate(array.values):
         try:
-            values[place] = in_si(str(entry), factor.units) if isinstance(entry, str) else entry
+            values[index] = in_si(str(entry), factor.units) if isinstance(entry, str) else entry
         except ValueError as error:
             wrong = f"{shown(entry)} is not {factor.allowed}, bare or with its unit"
             if "mismatch" in str(error):
@@ -134,6 +131,7 @@ def _is_number(text: str) -> bool:
 
 
 def _number(name: str, array: xr.DataArray) -> xr.DataArray:
+    """Return a numeric factor as float64, or refuse the first value that is not allowed."""
     factor = FACTORS[name]
     if array.dtype.kind not in "iuf":
         for value in array.values.flat:  # integers beyond 64 bits come as objects, text does not pass as a number
@@ -145,24 +143,25 @@ def _number(name: str, array: xr.DataArray) -> xr.DataArray:
     values = array.values
     above = values >= factor.low if factor.low_allowed else values > factor.low
     below = values <= factor.high if factor.high_allowed else values < factor.high
-    lacking = np.isnan(values) & factor.optional
-    wrong = ~(np.isfinite(values) & above & below | lacking)
+    missing = np.isnan(values) & factor.optional
+    wrong = ~(np.isfinite(values) & above & below | missing)
     if wrong.any():
         raise FactorError(f"{name}: {values[wrong].flat[0]:g} is not {factor.allowed}{_of_row(array, wrong)}")
     bad = values[(np.abs(values) < _SMALLEST) & (values != 0)]
-    if bad.size:  # its inverse is no number, and it has lost digits
+    if bad.size:  # a subnormal number has lost digits, and its inverse overflows
         raise FactorError(f"{name}: {bad.flat[0]:g} is too small for a number of full precision, {_SMALLEST:.3g}")
     return array
 
 
 def _of_row(array: xr.DataArray, wrong: NDArray[np.bool_]) -> str:
-    """Words on the first wrong row of a table with labels."""
+    """Return the words that name the first wrong row of a labelled table, empty for other arrays."""
     if array.dims != (CASE,) or CASE not in array.coords:
         return ""
     return f" (row {array[CASE].values[int(wrong.argmax())]})"
 
 
 def _choice(name: str, array: xr.DataArray, allowed: tuple[str | None, ...]) -> None:
+    """Refuse a value that is not among the allowed names."""
     values = array.values
     for value in np.unique(values) if values.dtype.kind == "U" else values.flat:
         if not (None in allowed and absent(value)) and not (isinstance(value, str) and value in allowed):

@@ -1,4 +1,4 @@
-"""Values of factors over all cases: which cases have a factor, and the kind of body of each."""
+"""Values of factors over all cases, masks of cases, and the kind of body of each case."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ IN_SPACE = tuple(name for name, outline in PROFILES.items() if outline.space)
 
 
 def absent(value: object) -> bool:
-    """Return whether a value means that the case does not have this factor."""
+    """Return whether a value means that the case lacks this factor."""
     return (
         value is None or (isinstance(value, str) and not value) or (isinstance(value, float) and bool(np.isnan(value)))
     )
@@ -27,13 +27,13 @@ def absent(value: object) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class FactorValues:
-    """Factors of cases by name, and what they say of each case; masks have the axes of the cases, (...)."""
+    """Factors of cases by name, and masks of cases over the case axes (...)."""
 
     arrays: Mapping[str, xr.DataArray]
 
     @cached_property
     def sizes(self) -> dict[str, int]:
-        """Dimensions of the cases."""
+        """Sizes of the cases' dimensions."""
         return {str(dim): size for array in self.arrays.values() for dim, size in array.sizes.items()}
 
     @cached_property
@@ -47,11 +47,11 @@ class FactorValues:
         return aligned
 
     def number(self, name: str) -> Array:
-        """A numeric factor, or its default; 0 where it has none."""
+        """Return a numeric factor, its default or 0; (...)."""
         return self.values.get(name, np.array(FACTORS[name].default or 0.0))
 
     def has(self, name: str) -> BoolArray:
-        """Cases that have a factor."""
+        """Return True for cases that have a factor; (...)."""
         if name not in self.values:
             return np.array(False)
         values = self.values[name]
@@ -60,12 +60,12 @@ class FactorValues:
         return np.array([not absent(value) for value in values.flat], dtype=bool).reshape(values.shape)
 
     def among(self, name: str, *choices: str) -> BoolArray:
-        """Cases whose factor is one of the choices; none without the factor."""
+        """Return True for cases whose factor is one of the choices; (...)."""
         return np.asarray(np.any([self.values.get(name, np.array("")) == choice for choice in choices], axis=0))
 
     @cached_property
     def space(self) -> BoolArray:
-        """Contacts in space: by the profile, or of revolution on a cut crystal."""
+        """True for contacts in space, by their profile or on a cut crystal; (...)."""
         space, on_cuts = self.among("profile", *IN_SPACE), self.among("profile", *ON_CUTS)
         if not on_cuts.any() or "cut" in self.values:
             return np.asarray(space | on_cuts if on_cuts.any() else space)
@@ -78,22 +78,22 @@ class FactorValues:
 
     @cached_property
     def kind_names(self) -> NDArray[np.str_]:
-        """Names of the kinds of body; a case with a thickness or a stack has layers."""
+        """Names of the cases' kinds of body; a case with a thickness or a stack has layers; (...)."""
         if not self.values.keys() & {BODY, "thickness", "profile", "surroundings"}:
             return np.array(KINDS["line", False, False].name)
         layered = np.array(True) if BODY in self.values else self.has("thickness")
         pointed, air = self.among("profile", *POINTED), self.among("surroundings", AIR)
         touches = np.select([self.space, pointed], ["space", "point"], "line")
-        holds = [(touches == touch) & (layered == layers) & (air == airy) for touch, layers, airy in KINDS]
-        return np.select(holds, [kind.name for kind in KINDS.values()], "")
+        masks = [(touches == touch) & (layered == layers) & (air == in_air) for touch, layers, in_air in KINDS]
+        return np.select(masks, [kind.name for kind in KINDS.values()], "")
 
     @cached_property
     def kinds(self) -> list[Kind]:
-        """The kinds of body of the cases."""
+        """Kinds of body of the cases."""
         return [kind for kind in KINDS.values() if (self.kind_names == kind.name).any()]
 
     def refuse(self, name: str, bad: BoolArray, why: str) -> None:
-        """Raise FactorError with the first value of a factor among the bad cases, if it has any."""
+        """Refuse the bad cases by the first value of a factor among them, if it is given."""
         if name not in self.values or not bad.any():
             return
         values, marked = np.broadcast_arrays(self.values[name], bad)
@@ -102,48 +102,50 @@ class FactorValues:
         raise FactorError(f"{name}: {f'{first:g}' if number else shown(getattr(first, 'name', first))} {why}")
 
 
-#: Factors that :func:`solver.body.around` reads: by their value, or only by whether a case has them, other than 0.
-_READ = (
+#: Factors that :func:`solver.body.around` reads by their value, and those whose presence, other than as 0, it reads.
+_BY_VALUE = (
     "surroundings", BODY, "material", "base", "cut", "profile", "electric", "magnetic", "electrode",
     "interface_magnetic",
 )  # fmt: skip
-_THERE = ("thickness", "gap_radius", *OF_AN_ELECTRODE[1:])
+_BY_PRESENCE = ("thickness", "gap_radius", *OF_AN_ELECTRODE[1:])
 
 
 def settled(arrays: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
-    """Factors with the surroundings of every case, where a film or a table leaves them open."""
+    """Return the factors with default surroundings of cases on films or in tables that lack them."""
     surroundings = arrays.get("surroundings")
-    opened = (
+    incomplete = (
         arrays.keys() & {BODY, "thickness"} or FactorValues(arrays).space.any()
         if surroundings is None
         else any(map(absent, surroundings.values.flat))
     )
-    if not opened:
+    if not incomplete:
         return dict(arrays)
-    which, cases = distinct_cases(arrays)
+    index, cases = distinct_cases(arrays)
     names = [str(case.get("surroundings") or around(case)) for case in cases]
-    chosen = which.copy(data=np.array(names)[which.values])
-    return {**arrays, "surroundings": chosen if len({*names}) > 1 else chosen[(0,) * chosen.ndim]}
+    settled_names = index.copy(data=np.array(names)[index.values])
+    if len({*names}) == 1:
+        settled_names = settled_names[(0,) * settled_names.ndim]
+    return {**arrays, "surroundings": settled_names}
 
 
 def distinct_cases(arrays: Mapping[str, xr.DataArray]) -> tuple[xr.DataArray, list[dict[str, Any]]]:
-    """Number of each case among the distinct ones, as far as their surroundings ask, and these by their factors."""
-    read = {name: _labels(arrays[name], name in _THERE) for name in (*_READ, *_THERE) if name in arrays}
-    labels = xr.broadcast(*read.values())
+    """Return the cases that differ in factors of their surroundings, and the index of each case among them."""
+    names = [name for name in (*_BY_VALUE, *_BY_PRESENCE) if name in arrays]
+    labels = xr.broadcast(*(_labels(arrays[name], name in _BY_PRESENCE) for name in names))
     rows = list(zip(*(array.values.flat for array in labels), strict=True))
-    number = {row: place for place, row in enumerate(dict.fromkeys(rows))}
-    which = xr.DataArray(np.reshape([number[row] for row in rows], labels[0].shape), dims=labels[0].dims)
-    named = (zip(read, row, strict=True) for row in number)
-    return which, [{name: value for name, value in case if not absent(value)} for case in named]
+    number = {row: count for count, row in enumerate(dict.fromkeys(rows))}
+    index = xr.DataArray(np.reshape([number[row] for row in rows], labels[0].shape), dims=labels[0].dims)
+    cases = (zip(names, row, strict=True) for row in number)
+    return index, [{name: value for name, value in case if not absent(value)} for case in cases]
 
 
 def _labels(array: xr.DataArray, only_presence: bool) -> xr.DataArray:
-    """A factor's values, or 1 where a case has it and it is not 0; without dimension where all are one."""
+    """Return a factor's values, or 1 where a case has it other than as 0; a scalar if all are equal."""
     values = array.values
     if only_presence:
         values = np.where([not absent(value) and value != 0 for value in values.flat], 1.0, np.nan)
         values = values.reshape(array.shape)
     labels = xr.DataArray(values.astype(object), dims=array.dims)
     first = labels.values.flat[0] if labels.size else None
-    alike = all(label is first or label == first or (absent(label) and absent(first)) for label in labels.values.flat)
-    return labels.isel(dict.fromkeys(labels.dims, 0)) if labels.size and alike else labels
+    equal = all(label is first or label == first or (absent(label) and absent(first)) for label in labels.values.flat)
+    return labels.isel(dict.fromkeys(labels.dims, 0)) if labels.size and equal else labels

@@ -1,4 +1,4 @@
-"""Cases of films: from their factors to contacts, all of one kind from the same tables, and outputs by name."""
+"""Cases on films: from their factors to contacts, which share tables by kind, and to outputs by name."""
 
 from collections.abc import Callable, Iterator, Sequence, Set
 from typing import Any, ClassVar, NamedTuple
@@ -21,7 +21,7 @@ from solver.names import FILM_PEAKS
 
 
 class Outputs(NamedTuple):
-    """Functions of films, of what fills the gaps beside their contacts, and of what is requested."""
+    """Functions of films, of the permittivity in the gaps beside their contacts, and of the request."""
 
     quantities: Callable[..., dict[str, Array]]
     peaks: Callable[..., dict[str, Array]]
@@ -37,16 +37,16 @@ class OnFilm(Body):
 
     def __init__(self, cases: Cases) -> None:
         super().__init__(cases)
-        self._bodies = self._made()
+        self._bodies = self._films_of_cases()
         self._groups = list(self._grouped())
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of the kind, and of its electrodes if one is read, that every case has; (...)."""
         if (reading := reading_of(self.cases)) is None:
             return self._of_groups(self._outputs.quantities)
-        parts = ((places, self._films(places, kind)) for places, kind in self._groups)
+        parts = ((index, self._films(index, kind)) for index, kind in self._groups)
         return self._put_together(
-            (places, quantities(films) | electrode_quantities(films, reading.part(places))) for places, films in parts
+            (index, quantities(films) | electrode_quantities(films, reading.part(index))) for index, films in parts
         )
 
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
@@ -79,35 +79,35 @@ class OnFilm(Body):
     def _lacks_c12(self) -> str | None:
         return self._bodies.lacks_c12
 
-    def _medium(self, places: Indices) -> tuple[Array, ...]:
-        """Relative permittivity of what fills the gaps of some cases; without air there is none."""
+    def _medium(self, index: Indices) -> tuple[Array, ...]:
+        """Relative permittivity in the gaps of the indexed cases, in a tuple that is empty without air."""
         return ()
 
     def _of_groups(self, output: Callable[..., dict[str, Array]], *requested: Any) -> dict[str, Array]:
-        """Outputs of the films of every group; these are made anew: tables of thousands of stacks are not kept."""
+        """Return outputs of every group's films, created here and dropped: there can be thousands of tables."""
         return self._put_together(
-            (places, output(self._films(places, kind), *self._medium(places), *requested))
-            for places, kind in self._groups
+            (index, output(self._films(index, kind), *self._medium(index), *requested)) for index, kind in self._groups
         )
 
-    def _made(self) -> Bodies:
-        """Films and bases of the cases."""
+    def _films_of_cases(self) -> Bodies:
+        """Return the films and bases of the cases."""
         return films_of(self.cases)
 
     # -- groups --------------------------------------------------------------------------------------------------------
     def _grouped(self) -> Iterator[tuple[Indices, Kind]]:
-        """Cases by film, friction, conduction and punch, told apart at the smallest shape that these have."""
+        """Yield the indices and the kind of cases with the same film, friction, conduction and punch."""
         conducts, punch = self.cases.conducts, punch_of(self.cases)
         sliding = [self.cases.number("friction"), conducts[..., 0], conducts[..., 1]]
         columns = [self._bodies.which, *sliding, punch.compliance, punch.coupling]
         table = np.stack(np.broadcast_arrays(*(np.asarray(c, dtype=np.float64) for c in columns)), -1)
         kinds, which = distinct_rows(table.reshape(-1, table.shape[-1]))
         shape = (1,) * (len(self.shape) - table.ndim + 1) + table.shape[:-1]
-        of_case = np.broadcast_to(which.reshape(shape), self.shape).ravel()
+        kind_index = np.broadcast_to(which.reshape(shape), self.shape).ravel()
         for number, row in enumerate(kinds.tolist()):
-            yield np.flatnonzero(of_case == number), self._kind(row)
+            yield np.flatnonzero(kind_index == number), self._kind(row)
 
     def _kind(self, row: list[float]) -> Kind:
+        """Return the kind of film, friction, conduction of both fields, and compliance and coupling of the punch."""
         which, friction, electric, magnetic, compliance, coupling = row
         profile, stack = self.cases.profile, self._bodies.films[int(which)]
         degree = max(len(profile.slope) - 1, 1)
@@ -116,14 +116,15 @@ class OnFilm(Body):
         conducts = bool(electric) and not metal, bool(magnetic)
         return Kind(stack, friction, conducts, profile.smooth, degree, (compliance, coupling))
 
-    def _films(self, places: Indices, kind: Kind) -> Films:
-        number, datum_of_punch = self.cases.number, punch_datum(self.cases)
+    def _films(self, index: Indices, kind: Kind) -> Films:
+        """Return the contacts of the indexed cases."""
+        datum_of_punch = punch_datum(self.cases)
         return Films(
             kind,
-            self.cases.profile.part(places, self.shape),
-            self._flat(self.cases.force)[places],
-            self._flat(self.cases.charges, 2)[places],
-            self._flat(number("datum"))[places],
-            self._flat(self._bodies.thickness)[places],
-            None if datum_of_punch is None else self._flat(datum_of_punch)[places],
+            self.cases.profile.part(index, self.shape),
+            self._flat(self.cases.force)[index],
+            self._flat(self.cases.charges, 2)[index],
+            self._flat(self.cases.number("datum"))[index],
+            self._flat(self._bodies.thickness)[index],
+            None if datum_of_punch is None else self._flat(datum_of_punch)[index],
         )

@@ -1,4 +1,4 @@
-"""Layers below every case: the stack of one case by its factors, and the distinct films of many cases."""
+"""Layers of cases: the stack of one case from its factors, and the distinct films of many cases."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,9 +18,9 @@ from solver.material.constants import Material, MaterialError, combined
 from solver.names import BODY, CHOICES, MIXTURES, OF_A_FILM, OF_MATERIAL
 from solver.stack.layers import RIGID, Layer, Stack
 
-#: Homogeneous layers of equal thickness that stand for a graded film.
+#: Number of homogeneous layers of equal thickness that approximate a graded film.
 SUBLAYERS = 12
-#: Factors that make the stack of a case, but for the thickness of a film.
+#: Factors of the stack of a case, without the thickness of a film.
 OF_A_STACK = (BODY, *OF_MATERIAL, "cut", "cut_angle", *OF_A_FILM[1:], "electrode")
 
 
@@ -29,18 +29,15 @@ def stack_of(
     materials: Mapping[str, Material] = MappingProxyType({}),
     phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
 ) -> Stack:
-    """Layers and base of a case by its single factors: a film as thick as they say, 1 m a layer where they do not.
-
-    A half-plane is a layer bonded to its own material.
-    """
+    """Return layers and base of a case of single factors, with layers of 1 m if it has no thickness."""
     case = {name: value for name, value in case.items() if not absent(value)}
     electroded = case.get("electrode") == "top"
     if BODY in case:
         body: Stack = case[BODY]
         return replace(body, electroded=electroded)
     material = one_of_case(case, materials, phases)
-    if not {"base", "base_modulus"} & case.keys():
-        bulk = replace(material, conductor=np.array(False))  # the closed form knows no conductors
+    if not {"base", "base_modulus"} & case.keys():  # a half-plane is a layer bonded to its own material
+        bulk = replace(material, conductor=np.array(False))  # the closed form has no conductors
         return Stack([Layer(bulk, 1.0, "bonded", "bonded")], bulk)
     sublayers = _graded(case, materials, phases) if "base_volume_fraction" in case else [material]
     thickness = float(case.get("thickness", len(sublayers))) / len(sublayers)
@@ -52,7 +49,7 @@ def stack_of(
 def _graded(
     case: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str | Material]
 ) -> list[Material]:
-    """Materials of the sublayers of a graded film, from the surface down."""
+    """Return the materials of the sublayers of a graded film, from the surface down."""
     kind, lowest = str(case.get("composite", CHOICES["composite"][0])), float(case["base_volume_fraction"])
     if kind not in MIXTURES:
         raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")
@@ -62,7 +59,7 @@ def _graded(
 
 
 def _base(case: Mapping[str, Any], materials: Mapping[str, Material]) -> Material | str:
-    """Base of a case: rigid, by its name, or by its modulus."""
+    """Return the base of a case: rigid, by name, or by modulus."""
     if "base" not in case:
         name = "a base by its modulus"
         return Material.isotropic(case["base_modulus"], case["base_poisson"], name=name, any_size=True)
@@ -80,14 +77,14 @@ def _base(case: Mapping[str, Any], materials: Mapping[str, Material]) -> Materia
 class Bodies:
     """Films of cases."""
 
-    films: list[Stack]  # Distinct ones, their top layers of unit thickness
+    films: list[Stack]  # Distinct films, whose top layers have unit thickness
     which: Indices  # Film of each case; over the case axes
-    thickness: Array  # Of the top layers [m]; over the case axes
-    lacks_c12: str | None  # The name of a material without c12, of layers and of bases that are not rigid
+    thickness: Array  # Thickness of the top layers [m]; over the case axes
+    lacks_c12: str | None  # Name of a material of layers or bases without c12
 
 
 def stacks_of(cases: Cases) -> tuple[list[Stack], Indices]:
-    """Distinct stacks of cases, single films 1 m a layer, and that of each case; over the case axes."""
+    """Return the distinct stacks of cases, single films with layers of 1 m, and the index of each case's (...)."""
     columns = {name: factorized(cases.values[name]) for name in OF_A_STACK if name in cases.values}
     codes = np.broadcast_arrays(*(codes.reshape(cases.values[name].shape) for name, (codes, _) in columns.items()))
     rows, which = distinct_rows(np.stack(codes, -1).reshape(-1, len(columns)))
@@ -99,21 +96,21 @@ def stacks_of(cases: Cases) -> tuple[list[Stack], Indices]:
 
 
 def films_of(cases: Cases) -> Bodies:
-    """The films of cases; those that differ in size alone are one."""
+    """Return the films of cases; films that differ in size alone are one."""
     stacks, which = stacks_of(cases)
     lacks = (m.name for stack in stacks for m in stack.materials if np.isnan(m.c12))
     number: dict[Stack, int] = {}
-    place = np.array([number.setdefault(_over_the_top(stack), len(number)) for stack in stacks])
+    film_index = np.array([number.setdefault(_over_the_top(stack), len(number)) for stack in stacks])
     if BODY in cases.values:
         thickness = np.array([stack.top.thickness for stack in stacks])[which]
     else:
         thickness = cases.number("thickness") / np.array([len(stack.layers) for stack in stacks])[which]
-    return Bodies(list(number), place[which], thickness, next(lacks, None))
+    return Bodies(list(number), film_index[which], thickness, next(lacks, None))
 
 
 @cached
 def _over_the_top(stack: Stack) -> Stack:
-    """A stack with lengths over the thickness of its top layer, of bare constants; what rests needs no density."""
+    """Return a stack with lengths over its top layer's thickness, of bare constants without the density."""
     materials = [replace(combined(np.asarray, [m], "film"), rho=np.array(np.nan)) for m in stack.materials]
     layers = [
         replace(layer, material=material, thickness=layer.thickness / stack.top.thickness)
@@ -123,7 +120,7 @@ def _over_the_top(stack: Stack) -> Stack:
 
 
 def refuse_charge(cases: Cases) -> None:
-    """Refuse an electric charge of a punch on a metal, which is not the punch's to keep."""
+    """Refuse an electric charge of a punch on a metal or an electrode, which takes it."""
     name = cases.kind.loads.charges[0]
     if np.any(charge := cases.number(name)):
         raise FactorError(

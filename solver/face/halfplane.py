@@ -1,4 +1,4 @@
-"""Cases on a half-plane: from their factors to its contact, and its outputs by name."""
+"""Cases on a half-plane: from their factors to the contact, and to outputs by name."""
 
 from collections.abc import Sequence, Set
 
@@ -23,13 +23,7 @@ from solver.names import PEAKS
 
 
 class OnHalfPlane(Body):
-    """Contact of cases of one kind on a half-plane. Every output (..., own axes) has the smallest shape that it needs.
-
-    Warns
-    -----
-    PrecisionWarning
-        Rounding costs digits: constants many decades apart, a speed next to the limiting one.
-    """
+    """Contact of cases of one kind on a half-plane; each output has the smallest shape that it needs."""
 
     hollow = False
 
@@ -42,7 +36,7 @@ class OnHalfPlane(Body):
     def _datum(self) -> Array:
         return self.cases.number("datum")
 
-    @np.errstate(all="ignore")  # here and below: what is not finite is named in the outputs
+    @np.errstate(all="ignore")  # here and below: values that are not finite are reported with the outputs
     def quantities(self) -> dict[str, Array]:
         """Quantities of ``solver.names.QUANTITIES`` that every case has; (...)."""
         return quantities(self.contact, self._datum, punch_datum(self.cases))
@@ -56,7 +50,7 @@ class OnHalfPlane(Body):
 
     @np.errstate(all="ignore")
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Sizes and, if asked for, curves of the region ``body``; (...) and (..., point)."""
+        """Sizes and, if requested, curves of the region ``body``; (...) and (..., point)."""
         self._require_c12("peak_von_mises needs")
         half = self.contact.half_width
         sizes = {"mean_pressure": self.contact.load / (2 * half), "half_length": half}
@@ -68,8 +62,8 @@ class OnHalfPlane(Body):
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
         linear = tuple(name for name in LINEAR if name in names)
         points_y, points_x = (points.ravel() for points in np.meshgrid(y, x, indexing="ij"))
-        whole = interior_parts(self.contact, points_x, points_y, linear).whole(self.contact)
-        values = {name: whole[..., k, :] for k, name in enumerate(linear)}
+        fields = interior_parts(self.contact, points_x, points_y, linear).whole(self.contact)
+        values = {name: fields[..., k, :] for k, name in enumerate(linear)}
         if set(POTENTIALS) & set(names):
             electric_and_magnetic = potentials(self.contact, points_x, points_y, self._datum)
             values |= {name: electric_and_magnetic[..., k, :] for k, name in enumerate(POTENTIALS)}
@@ -83,7 +77,7 @@ class OnHalfPlane(Body):
 
 @np.errstate(all="ignore")
 def contact_of(cases: Cases) -> Contact:
-    """The contact, its extent found."""
+    """Return the contact of cases with its extent."""
     if np.any(speed := cases.number("speed")):
         _refuse_fast(material_of(cases), cases.conducts, speed)
     sliding = Sliding(half_plane_of(cases), cases.number("friction"), cases.conducts, punch_of(cases))
@@ -96,6 +90,7 @@ def contact_of(cases: Cases) -> Contact:
 
 
 def _refuse_fast(material: Material, conducts: BoolArray, speed: Array) -> None:
+    """Refuse speeds (...) [m/s] at or above the limiting one."""
     if np.any(np.isnan(material.rho)):
         raise FactorError(f"speed: needs the density rho [kg m-3] of {material.name}")
     V, limit = np.broadcast_arrays(speed, limiting_speed(material, conducts))

@@ -1,4 +1,4 @@
-"""Quantities of the heat that a touch brings to films, from solved contacts."""
+"""Quantities of the heat that a warm punch brings to films, from solved contacts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -29,8 +29,8 @@ from solver.names import (
 from solver.stack.layers import Stack
 from solver.units import VACUUM_PERMITTIVITY
 
-#: Factors of the film, of the punch and of the circuit of a case, beside those of its stack.
-_OTHERS = (
+#: Factors of the film, of the punch and of the circuit of a case, in addition to those of its stack.
+_FACTORS = (
     "thickness", "punch", "profile", "radius", "surroundings", "electric", "collector", "patch", "patch_size",
     "patch_position", "load", "force", *OF_HEAT,
 )  # fmt: skip
@@ -46,9 +46,9 @@ def with_heat(
     materials: Mapping[str, Material],
     phases: Sequence[str | Material],
 ) -> xr.Dataset:
-    """Solved contacts with the quantities of heat, or with the reason for which they have none, over all factors."""
+    """Return solved contacts with the quantities of heat, or with the reason for their absence, over all factors."""
     charge = next((name for name in _CHARGES if name in out), None)
-    factors = [name for name in (*OF_A_STACK, *_OTHERS) if name in arrays]
+    factors = [name for name in (*OF_A_STACK, *_FACTORS) if name in arrays]
     contact = [name for name in (*_CONTACT, *_CHARGES) if name in out]
     for name in (name for name in OF_HEAT if name in arrays):
         attrs = {"units": FACTORS[name].units, "long_name": FACTORS[name].long_name}
@@ -75,13 +75,13 @@ def with_heat(
         })  # fmt: skip
     sizes = {dim: size for array in arrays.values() for dim, size in array.sizes.items()}
     all_factors = xr.DataArray(np.broadcast_to(0.0, tuple(sizes.values())), dims=tuple(sizes))
-    whole = {name: array.broadcast_like(all_factors) for name, array in out.data_vars.items()}
-    return out.assign({name: array.transpose(*sizes, ...) for name, array in whole.items()})
+    broadcast = {name: array.broadcast_like(all_factors) for name, array in out.data_vars.items()}
+    return out.assign({name: array.transpose(*sizes, ...) for name, array in broadcast.items()})
 
 
 @dataclass(frozen=True, eq=False)
 class _Touches:
-    """Touches of cases, which share stacks and temperatures."""
+    """Touches of cases, which share stacks, temperatures and times."""
 
     materials: Mapping[str, Material]
     phases: Sequence[str | Material]
@@ -90,7 +90,7 @@ class _Touches:
     times: dict[Any, float] = field(default_factory=dict)  # at which heat overtakes the force, whatever the hold
 
     def quantities(self, case: Mapping[str, Any]) -> Array:
-        """Charge of the heat, kelvin that equal the force, and the time at which heat does; (3,)."""
+        """Heat's charge, temperature rise with the force's charge, and time at which heat's charge reaches it; (3,)."""
         key = (
             *(str(case.get(name)) if name != BODY else id(case.get(name)) for name in (*OF_A_STACK, "thickness")),
             case.get("collector"),
@@ -110,38 +110,38 @@ class _Touches:
         left = abs(pressed) * np.exp(-time / leak)
         equal = min(left / abs(per_kelvin), NEVER_TEMPERATURE) if per_kelvin else NEVER_TEMPERATURE
         share = abs(rise) / case.get("heat_share", 1.0)
-        reached = (key, spot, patch, leak, share, pressed)
-        if reached not in self.times:
-            self.times[reached] = heated.overtaken(spot, patch, abs(pressed) / share, leak) if share else NEVER_TIME
-        return np.array([rise * per_kelvin, equal, min(self.times[reached], NEVER_TIME)])
+        time_key = (key, spot, patch, leak, share, pressed)
+        if time_key not in self.times:
+            self.times[time_key] = heated.overtaken(spot, patch, abs(pressed) / share, leak) if share else NEVER_TIME
+        return np.array([rise * per_kelvin, equal, min(self.times[time_key], NEVER_TIME)])
 
     def stack(self, case: Mapping[str, Any]) -> Stack:
-        """The stack of one case, with the constants for heat of its materials."""
+        """Return the stack of one case, with the thermal constants of its materials."""
         if not absent(case.get("base_volume_fraction")):
             raise HeatError("heat: not known for a graded film")
         return stack_of(case, self.materials, self.phases)
 
     def spot(self, case: Mapping[str, Any]) -> Spot:
-        """The contact of one case; a punch that is rigid or has no name is a perfect conductor."""
-        which, punch = case.get("punch", ""), None
-        if not (absent(which) or which == RIGID_PUNCH):
-            known = punches().get(str(which)) if str(which) not in self.materials else None
-            thermal = material_named(which, self.materials).thermal if known is None else known.thermal
-            whose = f"the punch {which}"
-            punch = constant("conductivity", thermal, whose), constant("heat_capacity", thermal, whose)
+        """Return the contact of one case; a rigid or unnamed punch is a perfect conductor."""
+        name, punch = case.get("punch", ""), None
+        if not (absent(name) or name == RIGID_PUNCH):
+            known = punches().get(str(name)) if str(name) not in self.materials else None
+            thermal = material_named(name, self.materials).thermal if known is None else known.thermal
+            owner = f"the punch {name}"
+            punch = constant("conductivity", thermal, owner), constant("heat_capacity", thermal, owner)
         round_in_air = (case.get("surroundings") or around(case)) == AIR and case.get("profile", "cylinder") in _ROUND
         return Spot(*_shape(case), punch, float(case["radius"]) if round_in_air else None)
 
 
 def _shape(case: Mapping[str, Any]) -> tuple[Shape, float]:
-    """Shape of a contact, and its radius or half-width [m]."""
+    """Return the shape of a contact, and its radius or half-width [m]."""
     if "contact_radius" in case:
         return "disc", float(case["contact_radius"])
     return "strip", float(case["contact_trailing"] + case["contact_leading"]) / 2
 
 
 def _patch(case: Mapping[str, Any]) -> Patch | None:
-    """Patch of an electrode that collects a case's charge; None: an electrode without end, or the punch."""
+    """Return the patch that collects a case's charge, None for an unbounded electrode or the punch."""
     if "patch_size" not in case:
         return None
     strip = "contact_radius" not in case or case.get("patch", "disc") == "strip"
@@ -155,11 +155,7 @@ def responses(
     materials: Mapping[str, Material] = MappingProxyType({}),
     phases: Sequence[str | Material] = ("BaTiO3", "CoFe2O4"),
 ) -> tuple[Array, float]:
-    """Charge after a step of what touches one solved film, (time,), and that of one change everywhere, per kelvin.
-
-    ``case`` holds single factors, as for :func:`solver.solve`; times are in s, charges in C/K, of lines in C m-1 K-1.
-    HeatError names a constant that is not known.
-    """
+    """Charges per kelvin of a punch at times [s] after it touched, (time,), and of a uniform change [C/K or C/m/K]."""
     touches = _Touches(materials, phases)
     case = {**case, **{name: float(solved[name].squeeze()) for name in (*_CONTACT, *_CAPACITANCES) if name in solved}}
     stack = touches.stack(case)
@@ -170,14 +166,10 @@ def responses(
 
 
 def charged_area(case: Mapping[str, Any], stack: Stack) -> float:
-    """Area of film whose charge an electrode collects where all of the film is polarised alike [m2], of lines [m].
-
-    ``case`` holds factors and quantities. Such a film has one open voltage everywhere. So the charge of a punch is that
-    voltage times its capacitance, air included (reciprocity). An electrode without end collects without limit.
-    """
+    """Area of a uniformly polarised film whose charge the electrode collects, infinite if unbounded [m2 or m]."""
     shape, half = _shape(case)
     contact, patch = Spot(shape, half).area, _patch(case)
-    if "collector" not in case:
+    if "collector" not in case:  # by reciprocity the punch's charge is its capacitance times the film's open voltage
         capacitance = next((float(case[name]) for name in _CAPACITANCES if name in case), 0.0)
         return max(contact, capacitance * film_gap(stack) / VACUUM_PERMITTIVITY)
     return np.inf if patch is None or patch.shape != shape else Spot(shape, patch.half_width).area

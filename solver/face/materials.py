@@ -1,4 +1,4 @@
-"""Materials of every case: of its body, by name, own or of a composite's fraction, of its base and of its punch."""
+"""Materials of cases: of the body (by name, of the user, or a composite), of its base and of the punch."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -23,15 +23,15 @@ from solver.material.punches import find_punch, punches
 from solver.names import CHOICES, COMPOSITES, OF_A_PUNCH, OF_MATERIAL
 from solver.stack.layers import RIGID
 
-#: Half-planes of the distinct materials of the tables that are solved now.
+#: Half-planes of the distinct materials of the tables that are being solved.
 _DISTINCT: WeakKeyDictionary[Cases, HalfPlane] = WeakKeyDictionary()
-_SAME = 1e-9  # relative difference up to which two stiffnesses are one
+_SAME = 1e-9  # largest relative difference of equal stiffnesses
 _COUPLINGS = ("e31", "e33", "e15", "f31", "f33", "f15")
 _MODULUS_OF_RIGID, _POISSON_OF_RIGID = np.inf, 0.0
 
 
 def material_of(cases: Cases) -> Material:
-    """The material of cases, constants over their axes."""
+    """Return the material of cases, with constants over their axes."""
     phases = phases_of(cases.phases, cases.materials)
     if "material" in cases.values:
         return _chosen(cases.values["material"], cases.materials)
@@ -41,17 +41,17 @@ def material_of(cases: Cases) -> Material:
     }
     if len(composites) == 1:
         return next(iter(composites.values()))
-    places = [kinds == kind for kind in composites]
-    return combined(lambda *values: np.select(places, values), composites.values(), "composite")
+    masks = [kinds == kind for kind in composites]
+    return combined(lambda *values: np.select(masks, values), composites.values(), "composite")
 
 
 def half_plane_of(cases: Cases) -> HalfPlane:
-    """The half-plane of cases; neighbours in a table that have one material and speed share its tensors."""
+    """Return the half-plane of cases; neighbouring rows of a table with equal material and speed share its tensors."""
     if cases.distinct is not None:
         if cases.distinct not in _DISTINCT:
             _DISTINCT[cases.distinct] = half_plane_of(cases.distinct)
-        whole = _DISTINCT[cases.distinct]
-        return whole if cases.case_index is None else whole.repeated(cases.case_index)
+        distinct = _DISTINCT[cases.distinct]
+        return distinct if cases.case_index is None else distinct.repeated(cases.case_index)
     names = [name for name in (*OF_MATERIAL, "speed") if name in cases.values and cases.values[name].size > 1]
     if len(cases.sizes) == 1 and names:
         ((dim, count),) = cases.sizes.items()
@@ -64,7 +64,7 @@ def half_plane_of(cases: Cases) -> HalfPlane:
 
 
 def phases_of(phases: Sequence[str | Material], materials: Mapping[str, Material]) -> tuple[Material, Material]:
-    """Phase one and phase two of a composite."""
+    """Return phase one and phase two of a composite."""
     if len(phases) != 2:
         raise FactorError(f"phases: {len(phases)} given; a composite has two")
     first, second = (one_material("phases", phase, materials) for phase in phases)
@@ -72,15 +72,15 @@ def phases_of(phases: Sequence[str | Material], materials: Mapping[str, Material
 
 
 def _chosen(which: NDArray[Any], materials: Mapping[str, Material]) -> Material:
-    """Materials by case; each is found and checked once, however many cases it has."""
+    """Return the material of cases from its names or materials (...), each of which is looked up and checked once."""
     codes, values = factorized(which)
-    chosen = [one_material("material", value, materials) for value in values]
-    name = chosen[0].name if len(chosen) == 1 else "material"
-    return combined(lambda *constants: np.array(constants)[codes.reshape(which.shape)], chosen, name)
+    distinct = [one_material("material", value, materials) for value in values]
+    name = distinct[0].name if len(distinct) == 1 else "material"
+    return combined(lambda *constants: np.array(constants)[codes.reshape(which.shape)], distinct, name)
 
 
 def one_material(factor: str, which: object, materials: Mapping[str, Material]) -> Material:
-    """The one material that a value of a factor names or is, checked."""
+    """Return the checked material that a value of a factor is or names."""
     if not isinstance(which, str | Material):
         raise FactorError(f"{factor}: {shown(which)} is no material; give the name of one, or a Material")
     material = material_named(which, materials)
@@ -93,7 +93,7 @@ def one_material(factor: str, which: object, materials: Mapping[str, Material]) 
 def one_of_case(
     case: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str | Material]
 ) -> Material:
-    """The material of a case by its single factors, in the cut that they name."""
+    """Return the material of a case of single factors, with its cut."""
     if "material" in case:
         material = one_material("material", case["material"], materials)
     else:
@@ -109,26 +109,26 @@ def one_of_case(
 
 @cached
 def _composed(kind: str, phases: tuple[Material, Material], fraction: float) -> Material:
-    """The composite of one fraction, the same object for cases that share it."""
+    """Return the composite of one fraction, one object for all cases."""
     return compose(kind, phases, fraction)
 
 
 def material_named(which: str | Material, materials: Mapping[str, Material]) -> Material:
-    """The material of a name, a user's own before the built-in ones; a material as it is."""
-    return which if isinstance(which, Material) else find(str(which), materials)  # a text of numpy is a plain one
+    """Return a material, or the one of a name, the user's before the built-in ones."""
+    return which if isinstance(which, Material) else find(str(which), materials)  # str: numpy has texts of its own
 
 
 def punch_of(cases: Cases) -> Punch:
-    """The elasticity of the punch, over the case axes."""
+    """Return the elasticity of the punch over the case axes."""
     return Punch.isotropic(*elasticity_of(cases)) if _given(cases) else RIGID_PUNCH
 
 
 def elasticity_of(cases: Cases) -> tuple[Array, Array]:
-    """Young's modulus [Pa], infinite of a rigid punch, and Poisson's ratio; (...)."""
+    """Young's modulus [Pa], infinite for a rigid punch, and Poisson's ratio; (...) each."""
     if not _given(cases):
         return np.array(_MODULUS_OF_RIGID), np.array(_POISSON_OF_RIGID)
     which = cases.values.get("punch", np.array(None, dtype=object))
-    known = {punch: _elastic(cases, punch) for punch in dict.fromkeys(which.flat)}  # every name is found once
+    known = {punch: _elastic(cases, punch) for punch in dict.fromkeys(which.flat)}  # each name is looked up once
     modulus, poisson = np.array([known[punch] for punch in which.flat]).T.reshape(2, *which.shape)
     if "punch_modulus" in cases.values:
         by_modulus = cases.values["punch_modulus"], cases.values["punch_poisson"]
@@ -138,21 +138,19 @@ def elasticity_of(cases: Cases) -> tuple[Array, Array]:
 
 
 def punch_datum(cases: Cases) -> Array | None:
-    """Distance [m] where an elastic punch does not move: its radius or width, else the datum; (...).
-
-    None of cases that say nothing of their punch.
-    """
+    """Distance at which an elastic punch is at rest (radius, width or datum) [m], or None without a punch; (...)."""
     if not _given(cases):
         return None
     return cases.number(next((name for name in ("radius", "width") if name in cases.outline.needs), "datum"))
 
 
 def _given(cases: Cases) -> bool:
+    """Return whether the cases have factors of the punch's material."""
     return not cases.values.keys().isdisjoint(OF_A_PUNCH)
 
 
 def _elastic(cases: Cases, which: object) -> tuple[float, float]:
-    """Modulus and Poisson's ratio of one punch: of the punches' own library, or of a material."""
+    """Modulus [Pa] and Poisson's ratio of one punch, from the library of punches or a material."""
     if absent(which) or which == RIGID:
         return _MODULUS_OF_RIGID, _POISSON_OF_RIGID
     if isinstance(which, Material):
@@ -171,7 +169,7 @@ def _elastic(cases: Cases, which: object) -> tuple[float, float]:
 
 
 def _of_material(material: Material) -> tuple[float, float]:
-    """Modulus and Poisson's ratio of a material."""
+    """Modulus [Pa] and Poisson's ratio of an isotropic material without coupling."""
     c11, c13, c33, c44, c12 = (np.asarray(getattr(material, name)) for name in ("c11", "c13", "c33", "c44", "c12"))
     if c11.shape:
         raise FactorError(f"punch: {material.name!r} holds arrays; a factor takes one material a value")

@@ -1,4 +1,4 @@
-"""Cases of point contacts: from their factors to punches on half-spaces and films, and their outputs by name."""
+"""Cases of point contacts: from their factors to punches on half-spaces and films, and to outputs by name."""
 
 from abc import abstractmethod
 from collections.abc import Callable, Collection, Sequence, Set
@@ -34,7 +34,7 @@ from solver.point.table import PointKind
 from solver.stack.electroded import surface
 from solver.stack.layers import Stack
 
-#: Surface fields of sliding contacts by the fields inside that equal them at the surface.
+#: Surface fields of sliding contacts, and the fields inside whose values at the surface they are.
 SURFACE = {
     "contact_pressure": "stress_yy", "electric_displacement": "electric_displacement_y",
     "magnetic_induction": "magnetic_induction_y", "radial_stress": "stress_xx", "hoop_stress": "stress_zz",
@@ -42,7 +42,7 @@ SURFACE = {
 
 
 class OnPoints(Body):
-    """Half-spaces and films under points: their punches, and their outputs put together."""
+    """Contacts at points of half-spaces and films."""
 
     _need_c12 = POINT_NEED_C12
     _singular = POINT_SINGULAR
@@ -56,49 +56,47 @@ class OnPoints(Body):
 
     @cached_property
     def _bodies(self) -> Bodies:
-        """Films of the cases; half-spaces as films of their own material."""
+        """Films of the cases, where half-spaces are films of one material."""
         return films_of(self.cases)
 
     @abstractmethod
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
-        """Indices among the cases, and the contacts there."""
+        """Return the indices of cases that are solved together, and their contacts."""
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of ``solver.names.POINT_QUANTITIES`` that every case has; (...)."""
         return self._of_parts(self._quantities)
 
-    def _quantities(self, pressed: Pressed, places: Indices) -> dict[str, Array]:
+    def _quantities(self, pressed: Pressed, index: Indices) -> dict[str, Array]:
+        """Quantities of contacts, to the first order in friction; (case,) each."""
         out = quantities(pressed)
         if pressed.friction is not None:
             warn_of_order(pressed)
-            out |= sliding_quantities(pressed, self._rim(places, pressed))
+            out |= sliding_quantities(pressed, self._rim(index, pressed))
         return out
 
     @abstractmethod
-    def _rim(self, places: Indices, pressed: Pressed) -> Rim | None:
-        """Surface just outside the contacts; None where a c12 is missing."""
+    def _rim(self, index: Indices, pressed: Pressed) -> Rim | None:
+        """Return the surface just outside the contacts, None if a c12 is missing."""
 
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
         """Requested peaks of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that every case has; (...)."""
         self._require_c12("largest stresses under a point need")
         self._refuse_electroded("fields")
-        return self._of_parts(lambda pressed, places: self._peaks(pressed, places, requested), self._apart())
+        return self._of_parts(lambda pressed, index: self._peaks(pressed, index, requested), self._apart())
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: peaks of points are searched for, not learnt from curves."""
+        """Refuse the request: peaks of points are searched for, not learnt from curves."""
         raise FactorError("curves: of a body under a point contact are not given; ask for peaks")
 
     def _surface(self, positions: Array, regular: bool) -> dict[str, Array]:
-        values = self._of_parts(lambda pressed, places: surface_fields(pressed, positions, self._rim(places, pressed)))
+        values = self._of_parts(lambda pressed, index: surface_fields(pressed, positions, self._rim(index, pressed)))
         if np.any(self._friction):
             values |= self._slid(positions)
         return self._with_regular(values, positions) if regular else values
 
     def _slid(self, positions: Array, charged: Collection[str] = ()) -> dict[str, Array]:
-        """Fields on the surface of sliding contacts, as those inside that end there; (..., position) each.
-
-        ``charged``: tractions that the surface carries outside the contact, too.
-        """
+        """Surface fields of sliding contacts, 0 outside except tractions in ``charged``; (..., position) each."""
         names = [name for name in SURFACE if self._lacks_c12 is None or SURFACE[name] not in POINT_NEED_C12]
         values = self._at_surface(positions, names)
         for name in names:
@@ -107,57 +105,57 @@ class OnPoints(Body):
         return values | {"contact_pressure": 0.0 - values["contact_pressure"]}
 
     def _at_surface(self, positions: Array, names: Collection[str]) -> dict[str, Array]:
-        """Fields of ``SURFACE`` from those inside, at the surface; (..., position) each."""
+        """Fields of ``SURFACE`` from the fields inside at the surface; (..., position) each."""
         inside = self.interior(positions, np.zeros(1), [SURFACE[name] for name in names])
         return {name: inside[SURFACE[name]][..., 0, :] for name in names}
 
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
         self._refuse_electroded("fields")
         return self._of_parts(
-            lambda pressed, places: dict(
-                zip(names, np.moveaxis(self._fields(pressed, places, x, y, names), 1, 0), strict=True)
+            lambda pressed, index: dict(
+                zip(names, np.moveaxis(self._fields(pressed, index, x, y, names), 1, 0), strict=True)
             ),
             self._apart(),
         )
 
     # -- overridden for contacts in air --------------------------------------------------------------------------------
-    def _peaks(self, pressed: Pressed, places: Indices, requested: Set[str]) -> dict[str, Array]:
-        return peaks(pressed, self._inside(places, pressed), requested)
+    def _peaks(self, pressed: Pressed, index: Indices, requested: Set[str]) -> dict[str, Array]:
+        return peaks(pressed, self._inside(index, pressed), requested)
 
-    def _fields(self, pressed: Pressed, places: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
+    def _fields(self, pressed: Pressed, index: Indices, x: Array, y: Array, names: tuple[str, ...]) -> Array:
         """Fields of ``LINEAR`` and potentials; (case, field, y, x)."""
-        values = self._inside(places, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
+        values = self._inside(index, pressed).fields(Rubbed(pressed.charged).tractions, x, y, names)
         potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
         values[:, potentials] *= pressed.length[:, None, None, None]
         return values
 
     def _apart(self) -> list[tuple[Indices, Pressed]]:
-        """Cases of one body each, lengths not shared."""
+        """Return indices and contacts of cases with one body each."""
         return self._parts
 
     @abstractmethod
-    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
-        """Body of cases of one body."""
+    def _inside(self, index: Indices, pressed: Pressed) -> Inside:
+        """Return the body that all indexed cases share."""
 
     def _of_parts(
         self,
         output: Callable[[Pressed, Indices], dict[str, Array]],
         parts: Sequence[tuple[Indices, Pressed]] | None = None,
     ) -> dict[str, Array]:
-        """Outputs of parts of the cases, by default those that are pressed together."""
-        return self._put_together((places, output(pressed, places)) for places, pressed in parts or self._parts)
+        """Join outputs of parts of the cases, by default those that are solved together."""
+        return self._put_together((index, output(pressed, index)) for index, pressed in parts or self._parts)
 
-    def _by_exponent(self, places: Indices) -> list[tuple[Indices, Shape, Array]]:
-        """Cases by the exponent of their profile, with its coefficient, or the radius of a disc."""
+    def _by_exponent(self, index: Indices) -> list[tuple[Indices, Shape, Array]]:
+        """Group cases by the exponent of their profile, with its coefficient or the radius of a disc."""
         exponent, coefficient = self._profile()
-        exponents = self._flat(exponent)[places]
+        exponents = self._flat(exponent)[index]
         return [
-            (alike := places[exponents == e], Shape(e), self._flat(coefficient)[alike])
+            (group := index[exponents == e], Shape(e), self._flat(coefficient)[group])
             for e in np.unique(exponents).tolist()
         ]
 
     def _profile(self) -> tuple[Array, Array]:
-        """Exponent and coefficient of the one profile of the cases."""
+        """Exponent of the profile that all cases share, and its coefficient or the radius of a disc; (...) each."""
         number = self.cases.number
         match self.cases.values["profile"].flat[0]:
             case "sphere":
@@ -173,34 +171,27 @@ class OnPoints(Body):
     def _friction(self) -> Array:
         return self._flat(self.cases.number("friction"))
 
-    def _loads(self, places: Indices) -> tuple[Array, Array]:
-        """Forces P (case,) and charges T, J (case, 2)."""
-        return self._flat(self.cases.force)[places], self._flat(self.cases.charges, 2)[places]
+    def _loads(self, index: Indices) -> tuple[Array, Array]:
+        """Forces P (case,) [N] and charges T, J (case, 2) [C, Wb]."""
+        return self._flat(self.cases.force)[index], self._flat(self.cases.charges, 2)[index]
 
 
 class OnHalfSpace(OnPoints):
-    """Points on half-spaces.
-
-    Warns
-    -----
-    PrecisionWarning
-        Rounding costs digits.
-    """
+    """Contacts at points of half-spaces."""
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         warn_of_rounding(self._half.distinct)
         return [
-            (places, self._of(places, shape, coefficient))
-            for places, shape, coefficient in self._by_exponent(self._every)
+            (index, self._of(index, shape, coefficient)) for index, shape, coefficient in self._by_exponent(self._every)
         ]
 
     def _apart(self) -> list[tuple[Indices, Pressed]]:
         which = self._flat(self._bodies.which)
         return [
-            (places[same_body], self._of(places[same_body], shape, coefficient[same_body]))
-            for places, shape, coefficient in self._by_exponent(self._every)
-            for number in np.unique(which[places])
-            if (same_body := np.flatnonzero(which[places] == number)).size
+            (index[same_body], self._of(index[same_body], shape, coefficient[same_body]))
+            for index, shape, coefficient in self._by_exponent(self._every)
+            for number in np.unique(which[index])
+            if (same_body := np.flatnonzero(which[index] == number)).size
         ]
 
     @property
@@ -213,7 +204,7 @@ class OnHalfSpace(OnPoints):
 
     @cached_property
     def _compliances(self) -> tuple[Array, Array, Array]:
-        """N and k of the contacts in their units, and these; (case, 3, 3), (case, 3) and (case, 4)."""
+        """N (case, 3, 3) and k (case, 3) of the contacts in their units, and the units (case, 4)."""
         half, punch, conducts = self._half, punch_of(self.cases), self.cases.conducts
         units = half.scale[..., 1:]
         N = half.compliance + column(punch.compliance) * np.diag([1.0, 0.0, 0.0])
@@ -223,19 +214,13 @@ class OnHalfSpace(OnPoints):
         )
         return self._flat(N, 3, 3), self._flat(k, 3), self._flat(half.scale, 4)
 
-    def _of(self, places: Indices, shape: Shape, coefficient: Array) -> Pressed:
-        """Some cases of one exponent."""
+    def _of(self, index: Indices, shape: Shape, coefficient: Array) -> Pressed:
+        """Return the contacts of indexed cases with one exponent."""
         N, k, units = self._compliances
-        conducts = self._flat(self.cases.conducts, 2)
-        friction = Friction(self._friction[places], k[places]) if "friction" in self.cases.values else None
-        return Pressed(
-            HalfSpace(N[places], shape),
-            units[places],
-            coefficient,
-            *self._loads(places),
-            conducts[places],
-            friction=friction,
-        )
+        conducts = self._flat(self.cases.conducts, 2)[index]
+        friction = Friction(self._friction[index], k[index]) if "friction" in self.cases.values else None
+        body = HalfSpace(N[index], shape)
+        return Pressed(body, units[index], coefficient, *self._loads(index), conducts, friction=friction)
 
     @property
     def _lacks_c12(self) -> str | None:
@@ -244,29 +229,30 @@ class OnHalfSpace(OnPoints):
 
     @cached_property
     def _rims(self) -> Rim:
+        """Surface just outside the contacts of all cases."""
         rim = Rim.of(self._half)
         stiffness, shear, *compliances = map(self._flat, (rim.stiffness, rim.shear, rim.tangential, rim.transverse))
         return Rim(self._flat(rim.coupling, 3), stiffness, shear, self._flat(rim.share, 3), *compliances)
 
-    def _rim(self, places: Indices, pressed: Pressed) -> Rim | None:
-        return self._rims.part(places) if self._lacks_c12 is None else None
+    def _rim(self, index: Indices, pressed: Pressed) -> Rim | None:
+        return self._rims.part(index) if self._lacks_c12 is None else None
 
-    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
-        return whole(self._bodies.films[int(self._flat(self._bodies.which)[places[0]])].top.material)
+    def _inside(self, index: Indices, pressed: Pressed) -> Inside:
+        return whole(self._bodies.films[int(self._flat(self._bodies.which)[index[0]])].top.material)
 
 
 class OnPointFilm(OnPoints):
-    """Points on films; all cases of one film and conduction share the same tables."""
+    """Contacts at points of films; cases with one film and conduction share tables."""
 
     def quantities(self) -> dict[str, Array]:
-        """Quantities of a half-space, and the nominal field."""
+        """Quantities of a half-space, the nominal field and quantities of electrodes; (...)."""
 
-        def solved(pressed: Pressed, places: Indices) -> dict[str, Array]:
+        def solved(pressed: Pressed, index: Indices) -> dict[str, Array]:
             body, reading, collected = pressed.body, pressed.reading, dict[str, Array]()
-            # first: a patch too far is refused before sliding is solved
+            # first, so that a patch too far away is refused before sliding is solved
             if isinstance(body, Film) and reading is not None:
                 collected = electrode_quantities(pressed.charged, body, reading)
-            return with_nominal_field(self._quantities(pressed, places), pressed) | collected
+            return with_nominal_field(self._quantities(pressed, index), pressed) | collected
 
         return self._of_parts(solved)
 
@@ -280,50 +266,48 @@ class OnPointFilm(OnPoints):
             film = bodies.films[int(body_number)]
             if metal := film.electroded or film.conductors[0]:
                 refuse_charge(self.cases)
-            held = bool(electric) and not metal, bool(magnetic)
-            for alike, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
-                kind = PointKind(film, held, shape, punch)
-                body = Film(kind, thickness[alike])
-                part_of_reading = None if reading is None else reading.part(alike)
-                friction = self._rubbing(kind, alike, coupling)
-                loads = self._loads(alike)
-                pressed.append(
-                    (alike, Pressed(body, kind.scale, coefficient, *loads, np.array(held), part_of_reading, friction))
-                )
+            conducting = bool(electric) and not metal, bool(magnetic)
+            for group, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
+                kind = PointKind(film, conducting, shape, punch)
+                contact = Pressed(
+                    Film(kind, thickness[group]), kind.scale, coefficient, *self._loads(group), np.array(conducting),
+                    None if reading is None else reading.part(group), self._friction_of(kind, group, coupling),
+                )  # fmt: skip
+                pressed.append((group, contact))
         return pressed
 
-    def _rubbing(self, kind: PointKind, places: Indices, punch: float) -> Friction | None:
-        """Friction of some cases; None where no factor gives it."""
+    def _friction_of(self, kind: PointKind, index: Indices, punch: float) -> Friction | None:
+        """Return the friction of indexed cases, None without the factor."""
         if "friction" not in self.cases.values:
             return None
         stack = kind.film
         k = -surface(stack)[0, 1:]
         coupling = contact_coupling(k, stack.scale, np.array(punch), np.array(kind.conducts))
-        return Friction(self._friction[places], np.broadcast_to(coupling, (places.size, 3)), punch)
+        return Friction(self._friction[index], np.broadcast_to(coupling, (index.size, 3)), punch)
 
     @property
     def _lacks_c12(self) -> str | None:
         return self._bodies.lacks_c12
 
-    def _rim(self, places: Indices, pressed: Pressed) -> Rim | None:
-        """Rim of the top of cases of one body; None below an electrode or without c12."""
+    def _rim(self, index: Indices, pressed: Pressed) -> Rim | None:
+        """Return the surface just outside the contacts, None under an electrode or without c12."""
         stack = _stack(pressed)
         is_known = self._lacks_c12 is None and not stack.electroded
         return Rim.of(stack.media[0].halfplane) if is_known else None
 
-    def _inside(self, places: Indices, pressed: Pressed) -> Inside:
+    def _inside(self, index: Indices, pressed: Pressed) -> Inside:
         return Inside(_stack(pressed))
 
 
 def _stack(pressed: Pressed) -> Stack:
-    """Stack of contacts on a film."""
+    """Return the stack of contacts on a film."""
     if not isinstance(pressed.body, Film):
         raise TypeError("a half-space is no stack")
     return pressed.body.kind.film
 
 
 def with_nominal_field(out: dict[str, Array], pressed: Pressed) -> dict[str, Array]:
-    """Quantities of a body, with the nominal field where it is a film."""
+    """Return quantities of a body, with the nominal field of a film."""
     body = pressed.body
     if isinstance(body, Film) and "voltage" in out:
         out["nominal_field"] = np.abs(out["voltage"]) / (body.thickness * body.kind.film.above_ground)

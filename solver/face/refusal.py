@@ -5,19 +5,15 @@ from typing import Any
 
 
 class FactorError(ValueError):
-    """A factor that is unknown, missing or outside what is allowed."""
+    """A factor that is unknown, missing or outside the allowed values."""
 
 
 class CaseError(FactorError):
-    """A case that has no answer by its numbers, where others of its kind have one.
-
-    No single contact without tension carries its load, its speed is not below the limit, its punch is narrower than the
-    contact, or the like.
-    """
+    """A case whose numbers have no solution, such as a load that needs tension or a speed above the limit."""
 
 
 class SmallStrainWarning(UserWarning):
-    """Contacts that are too wide or too deep for small strain, with the worst case and both numbers."""
+    """Contacts too wide or too deep for small strain, with the worst case and its numbers."""
 
     def __init__(self, message: str, excesses: Sequence[Any] = ()) -> None:
         super().__init__(message)

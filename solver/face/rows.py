@@ -16,89 +16,86 @@ from solver.face.attributes import united
 from solver.face.refusal import FactorError
 from solver.names import BODY, FACTORS, MATERIALS
 
-#: What the entrances of the solver take: values by factor name, or a table of cases.
+#: Factors of cases as the public functions take them: values by factor name, or a table of cases.
 Factors: TypeAlias = Mapping[str, Any] | xr.Dataset | pd.DataFrame | Sequence[Mapping[str, Any]]
 
 CASE = "case"  # the dimension of rows
 _HEADING = re.compile(r"(?P<name>\w+)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))\s*")
-#: Factors that some kinds of cases have and others lack: those without default, and the choices that name a kind.
+#: Factors that some kinds of cases lack: those without a default, and the choices that name a kind.
 _OF_KINDS = {*MATERIALS, BODY, "profile", "composite"}
 _OF_KINDS |= {name for name, factor in FACTORS.items() if factor.default is None}
 _EMPTY = "no number where a case has none"
 
 
 def by_name(factors: Factors) -> dict[str, Any]:
-    """Values by factor name; those of a table along the one dimension ``case``."""
+    """Return values by factor name, of a table along the one dimension ``case``."""
     if isinstance(factors, xr.Dataset):
         return {str(name): values for name, values in (*factors.data_vars.items(), *factors.coords.items())}
     table = _table(factors)
-    alone = factors if isinstance(factors, Mapping | pd.Series) else {}
-    return dict(alone) | ({} if table is None else _columns(table))
+    scalars = factors if isinstance(factors, Mapping | pd.Series) else {}
+    return dict(scalars) | ({} if table is None else _columns(table))
 
 
 def of_kinds(factors: Factors) -> list[tuple[Indices, dict[str, Any]]]:
-    """Rows of a table by the factors that they have, with these factors; empty where all rows have the same.
-
-    In a list of mappings a row lacks the keys that only others have, in a data frame its empty cells of `_OF_KINDS`.
-    """
+    """Group the rows of a table by the factors that they have, with these factors; empty if all rows have the same."""
     table = None if isinstance(factors, xr.Dataset) else _table(factors)
     if table is None or not len(table):
         return []
-    if isinstance(factors, Sequence):
+    if isinstance(factors, Sequence):  # a mapping lacks the keys that only others have
         lacking = np.array([[name not in row for name in table.columns] for row in factors])
-    else:
+    else:  # a row of a data frame lacks its empty cells of these factors
         lacking = table.isna().to_numpy() & [_named(str(name))[0] in _OF_KINDS for name in table.columns]
     if not np.any(lacking != lacking[:1]):
         return []
     patterns, which = np.unique(lacking, axis=0, return_inverse=True)
-    alone = dict(factors) if isinstance(factors, Mapping) else {}
-    rows = [np.flatnonzero(which.ravel() == place) for place in range(len(patterns))]
+    scalars = dict(factors) if isinstance(factors, Mapping) else {}
+    groups = [np.flatnonzero(which.ravel() == number) for number in range(len(patterns))]
     return [
-        (places, alone | _columns(table.iloc[places].loc[:, ~pattern].infer_objects()))
-        for places, pattern in zip(rows, patterns, strict=True)
+        (rows, scalars | _columns(table.iloc[rows].loc[:, ~pattern].infer_objects()))
+        for rows, pattern in zip(groups, patterns, strict=True)
     ]
 
 
 def solved_by_kind(parts: Sequence[tuple[Indices, dict[str, Any]]], solve: Callable[[Any], xr.Dataset]) -> xr.Dataset:
-    """Outputs of rows of several kinds in their order; a row is NaN where its kind lacks an output."""
-    answers = []
+    """Solve rows kind by kind, and return outputs in the order of all rows, NaN where a kind lacks an output."""
+    solutions = []
     for _, factors in parts:
         try:
-            answers.append(solve(factors))
+            solutions.append(solve(factors))
         except FactorError as error:
-            said = str(error)
+            message = str(error)
             row = next(array[CASE].values[0] for array in factors.values() if CASE in getattr(array, "dims", ()))
-            raise FactorError(said if "(row " in said else f"{said} (row {row})") from None
-    return joined([places for places, _ in parts], answers)
+            raise FactorError(message if "(row " in message else f"{message} (row {row})") from None
+    return joined([rows for rows, _ in parts], solutions)
 
 
-def joined(rows: Sequence[Indices], answers: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Answers to some rows each, put in the order of all rows; a row is NaN where its answer lacks an output."""
+def joined(rows: Sequence[Indices], solutions: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Join solutions of parts of the rows in the order of all rows, with NaN where a solution lacks an output."""
     order = np.argsort(np.concatenate(rows))
-    whole: dict[str, xr.Variable] = {}
-    for name in dict.fromkeys(str(name) for answer in answers for name in answer.variables):
-        having = [answer[name].variable for answer in answers if name in answer.variables]
-        first = having[0]
-        if CASE not in first.dims and len(having) == len(answers) and all(map(first.equals, having)):
-            whole[name] = first
+    variables: dict[str, xr.Variable] = {}
+    for name in dict.fromkeys(str(name) for solution in solutions for name in solution.variables):
+        available = [solution[name].variable for solution in solutions if name in solution.variables]
+        first = available[0]
+        if CASE not in first.dims and len(available) == len(solutions) and all(map(first.equals, available)):
+            variables[name] = first
             continue
         dims = (CASE, *(dim for dim in first.dims if dim != CASE))
         filled = [
-            _filled(answer.variables.get(name), first, dims, len(places))
-            for answer, places in zip(answers, rows, strict=True)
+            _filled(solution.variables.get(name), first, dims, len(part))
+            for solution, part in zip(solutions, rows, strict=True)
         ]
-        attrs = first.attrs | ({} if len(having) == len(answers) else {"comment": _EMPTY})
-        whole[name] = xr.Variable(dims, np.concatenate(filled)[order], attrs)
-    coords = {str(name) for answer in answers for name in answer.coords}
+        attrs = first.attrs | ({} if len(available) == len(solutions) else {"comment": _EMPTY})
+        variables[name] = xr.Variable(dims, np.concatenate(filled)[order], attrs)
+    coords = {str(name) for solution in solutions for name in solution.coords}
     return xr.Dataset(
-        {name: variable for name, variable in whole.items() if name not in coords},
-        {name: variable for name, variable in whole.items() if name in coords},
-        united([answer.attrs for answer in answers]),
+        {name: variable for name, variable in variables.items() if name not in coords},
+        {name: variable for name, variable in variables.items() if name in coords},
+        united([solution.attrs for solution in solutions]),
     )
 
 
 def _filled(variable: xr.Variable | None, like: xr.Variable, dims: tuple[Hashable, ...], count: int) -> NDArray[Any]:
-    """An output of some rows over `CASE` and its other dimensions; empty where the rows lack it."""
+    """Return an output of ``count`` rows over its dimensions, empty if the rows lack it."""
     shape = (count, *(like.sizes[dim] for dim in dims[1:]))
     if variable is None:
         number = like.dtype.kind == "f"
@@ -107,7 +104,7 @@ def _filled(variable: xr.Variable | None, like: xr.Variable, dims: tuple[Hashabl
 
 
 def _table(factors: Factors) -> pd.DataFrame | None:
-    """The table of cases among factors; None where there is none."""
+    """Return the table of cases among factors, or None."""
     if isinstance(factors, Mapping | pd.Series):
         try:
             columns = columns_of(factors)
@@ -124,7 +121,7 @@ def _table(factors: Factors) -> pd.DataFrame | None:
 
 
 def _columns(table: pd.DataFrame) -> dict[str, xr.DataArray]:
-    """Columns of a table over its rows, which have the labels of its index; several levels of one are numbered."""
+    """Return the columns of a table over its rows, labelled by its index, or by numbers for a multi-index."""
     if not len(table):
         raise FactorError("factors: a table without rows")
     labels = pd.RangeIndex(len(table)) if table.index.nlevels > 1 else table.index
@@ -139,7 +136,7 @@ def _columns(table: pd.DataFrame) -> dict[str, xr.DataArray]:
 
 
 def _named(heading: str) -> tuple[str, str | None]:
-    """Factor and unit of a heading such as ``radius [mm]``; a heading without a unit as it is."""
+    """Split a heading such as ``radius [mm]`` into factor and unit; one without a unit stays as it is."""
     match = _HEADING.fullmatch(heading)
     if match is None or match["name"] not in FACTORS:
         return heading, None
@@ -147,7 +144,7 @@ def _named(heading: str) -> tuple[str, str | None]:
 
 
 def _scaled(heading: str, cells: NDArray[Any], unit: str, si: str) -> NDArray[Any]:
-    """Numbers of a column in SI units; texts, which have units of their own, as they are."""
+    """Return numbers of a column in SI units, and texts, which have units of their own, unchanged."""
     try:
         parsed = units.parse(unit)
     except ValueError as error:
@@ -156,20 +153,20 @@ def _scaled(heading: str, cells: NDArray[Any], unit: str, si: str) -> NDArray[An
         raise FactorError(f"{heading}: unit mismatch: {unit!r} does not measure what {si!r} measures")
     if cells.dtype != object:
         return _times(cells, parsed.scale)
-    numbers = [place for place, cell in enumerate(cells) if not (cell is None or isinstance(cell, str))]
+    numbers = [row for row, cell in enumerate(cells) if not (cell is None or isinstance(cell, str))]
     cells[numbers] = _times(cells[numbers], parsed.scale)
     return cells
 
 
 def _times(values: NDArray[Any], scale: float) -> NDArray[Any]:
-    """Values times a scale; by a whole divisor where there is one, so that 20 um are 2e-5 m to the last bit."""
+    """Multiply values by a scale, or divide by a whole divisor, so that 20 um are 2e-5 m to the last bit."""
     divisor = round(1 / scale)
-    whole = scale < 1 and np.isclose(scale * divisor, 1, rtol=1e-15, atol=0)
-    return np.asarray(values / divisor if whole else values * scale)
+    is_whole = scale < 1 and np.isclose(scale * divisor, 1, rtol=1e-15, atol=0)
+    return np.asarray(values / divisor if is_whole else values * scale)
 
 
 def _cells(column: pd.Series) -> NDArray[Any]:
-    """Values of a column; a missing number is NaN, any other missing value None."""
+    """Return the values of a column, with NaN for missing numbers and None for other missing values."""
     if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
         numbers: NDArray[Any] = column.to_numpy(dtype=np.float64, na_value=np.nan)
         return numbers

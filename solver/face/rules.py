@@ -1,4 +1,4 @@
-"""Rules of factors together: which a case needs, which exclude each other, and which only some kinds of body have."""
+"""Rules between factors: required factors, factors that exclude each other, and factors of some kinds of body alone."""
 
 import numpy as np
 
@@ -29,14 +29,14 @@ from solver.names import (
 )
 from solver.stack.layers import RIGID, Stack
 
-_STEEPEST = 1.0  # slope of a cone or wedge beyond which a theory of small slopes says nothing
-#: Factors of shapes, and what else only some profiles have.
+_STEEPEST = 1.0  # slope of a cone or wedge beyond which the theory of small slopes is meaningless
+#: Factors that only some profiles have.
 _OF_SHAPES = tuple(dict.fromkeys(name for outline in PROFILES.values() for name in outline.takes))
 _CHARGES = {
     "charge": "electric", "magnetic_charge": "magnetic", "total_charge": "electric", "total_flux": "magnetic",
 }  # fmt: skip
 _BASE = f"{RIGID!r} or a material's name, or else base_modulus and base_poisson"
-#: Factors of electrodes, and of heat, by the one that each needs beside it.
+#: Factors of electrodes and of heat, and the factor that each requires.
 _ELECTRODE_NEEDS = {
     "patch_size": "collector", "patch": "patch_size", "patch_position": "patch_size", "patch_pitch": "patch_size",
 }  # fmt: skip
@@ -46,7 +46,7 @@ _HEAT_NEEDS = {
 
 
 def check(cases: FactorValues) -> None:
-    """Check materials, punch, loads and layers; FactorError names the first factor at fault."""
+    """Check materials, punch, loads and layers, and refuse the first factor at fault."""
     if BODY not in cases.values:
         _check_material(cases)
     _check_profile(cases)
@@ -59,7 +59,7 @@ def check(cases: FactorValues) -> None:
 
 
 def check_surrounded(cases: FactorValues) -> None:
-    """Check the gaps, electrodes and heat of cases whose surroundings are settled."""
+    """Check the gaps, electrodes and heat of cases with known surroundings."""
     _check_gaps(cases)
     _check_electrodes(cases)
     _check_air(cases)
@@ -67,15 +67,17 @@ def check_surrounded(cases: FactorValues) -> None:
 
 
 def _missing(name: str, reason: str = "") -> FactorError:
+    """Return the error for a missing factor."""
     return FactorError(f"{name}: missing; must be {FACTORS[name].allowed}{reason}")
 
 
 def _needed(name: str, needed: str) -> FactorError:
+    """Return the error for a missing factor that another one requires."""
     return FactorError(f"{needed}: missing; {name} needs it; must be {FACTORS[needed].allowed}")
 
 
 def _check_material(cases: FactorValues) -> None:
-    """Either a material, or composites with the fractions that they need and no other."""
+    """Require either a material, or composites with exactly their fractions."""
     values = cases.values
     fractions = [name for name in dict.fromkeys(COMPOSITES.values()) if name in values]
     if "material" in values:
@@ -97,7 +99,7 @@ def _check_material(cases: FactorValues) -> None:
 
 
 def _check_profile(cases: FactorValues) -> None:
-    """Every profile has the factors that it needs, and no factor is there that none of them takes."""
+    """Require the factors of every profile, and refuse those that no profile takes."""
     values = cases.values
     kinds = dict.fromkeys(values["profile"].flat) if "profile" in values else ["cylinder"]
     profiles = [str(kind) for kind in kinds if not isinstance(kind, Profile)]
@@ -106,7 +108,7 @@ def _check_profile(cases: FactorValues) -> None:
         for name in outline.needs:
             if name not in values:
                 raise _missing(name, f" (profile {profile})")
-    outlines = list(takes.values()) or [PROFILES["cylinder"]]  # a profile of one's own is pressed along a line
+    outlines = list(takes.values()) or [PROFILES["cylinder"]]  # a user's profile is pressed along a line
     words = ", ".join(profiles) or "given"
     _check_contacts(cases, {outline.contact for outline in outlines}, words)
     taken = {name for outline in takes.values() for name in outline.takes}
@@ -125,20 +127,20 @@ def _check_profile(cases: FactorValues) -> None:
 
 
 def _check_contacts(cases: FactorValues, contacts: set[Contact], profiles: str) -> None:
-    """Check that line and point contacts have their own force and charges, and no others."""
+    """Require the force of line and point contacts, and refuse forces and charges of the other kind."""
     values = cases.values
     for contact, loads in CONTACTS.items():
-        other = any(others.force in values for kind, others in CONTACTS.items() if kind not in contacts)
-        if contact in contacts and loads.force not in values and not other:
+        has_wrong_force = any(wrong.force in values for kind, wrong in CONTACTS.items() if kind not in contacts)
+        if contact in contacts and loads.force not in values and not has_wrong_force:
             raise _missing(loads.force)
         if contact in contacts:
             continue
-        rights = CONTACTS[next(iter(contacts))]
-        for name, right in zip((loads.force, *loads.charges), (rights.force, *rights.charges), strict=True):
-            if name in values and np.any(values[name]):  # no charge is none of either kind
+        allowed = CONTACTS[next(iter(contacts))]
+        for name, instead in zip((loads.force, *loads.charges), (allowed.force, *allowed.charges), strict=True):
+            if name in values and np.any(values[name]):  # a charge of 0 is allowed in both kinds
                 example = next(profile for profile, outline in PROFILES.items() if outline.contact == contact)
                 raise FactorError(
-                    f"{name}: the profile {profiles} has none; give {right} [{FACTORS[right].units}], or a profile "
+                    f"{name}: the profile {profiles} has none; give {instead} [{FACTORS[instead].units}], or a profile "
                     f"such as {example}"
                 )
     for name in OF_A_LINE if "line" not in contacts else ():
@@ -147,7 +149,7 @@ def _check_contacts(cases: FactorValues, contacts: set[Contact], profiles: str) 
 
 
 def _check_elasticity(cases: FactorValues, body: str) -> None:
-    """A base or a punch is either named or has both modulus and Poisson's ratio."""
+    """Require either the name of a base or punch, or both its modulus and Poisson's ratio."""
     modulus, poisson = f"{body}_modulus", f"{body}_poisson"
     for name in (modulus, poisson):
         cases.refuse(name, cases.has(name) & cases.has(body), f"beside a {body}; give either")
@@ -157,7 +159,7 @@ def _check_elasticity(cases: FactorValues, body: str) -> None:
 
 
 def _check_space(cases: FactorValues) -> None:
-    """Only contacts in space have a cut, a direction of sliding and a height map; their punch conducts a field."""
+    """Refuse a cut, a direction of sliding or a height map outside space, and an insulating punch or flux in space."""
     mapped, values = cases.among("profile", "map"), cases.values
     if mapped.any() and HEIGHT_MAP not in values:
         raise FactorError(f"{HEIGHT_MAP}: missing; a file of heights or an array over x and y [m] (profile map)")
@@ -179,7 +181,7 @@ def _check_space(cases: FactorValues) -> None:
 
 
 def _check_films(cases: FactorValues) -> None:
-    """Every film has a base, every half-plane has none of a film's factors; what has layers or air has no speed."""
+    """Require a base of films, and refuse a film's factors of half-planes and a speed with layers or air."""
     layered_or_air = cases.kind_names != KINDS["line", False, False].name
     moves = cases.number("speed") != 0
     cases.refuse("speed", moves & layered_or_air, "m/s of what is no half-plane without air")
@@ -202,7 +204,7 @@ def _check_films(cases: FactorValues) -> None:
 
 
 def _check_stacks(cases: FactorValues) -> None:
-    """Stacks are stacks, and nothing beside them says what a body is made of."""
+    """Refuse bodies that are not stacks, and factors of materials and layers beside stacks."""
     for value in cases.values[BODY].flat:
         if not isinstance(value, Stack):
             raise FactorError(f"{BODY}: {shown(value)} is no solver.Stack")
@@ -214,7 +216,7 @@ def _check_stacks(cases: FactorValues) -> None:
 
 
 def _check_gaps(cases: FactorValues) -> None:
-    """Only a gap with air has a permittivity and a radius, and only a sphere says itself where its gap ends."""
+    """Refuse permittivity and radius of a gap without air, and require the radius for cones and powers in air."""
     air, ended = cases.among("surroundings", AIR), cases.has("gap_radius")
     filled = cases.number("gap_permittivity") != FACTORS["gap_permittivity"].default
     for name, set_by_user in zip(OF_A_GAP, (filled, ended), strict=True):
@@ -230,7 +232,7 @@ def _check_gaps(cases: FactorValues) -> None:
 
 
 def _check_electrodes(cases: FactorValues) -> None:
-    """A film has the electrode, its number is whole and its patches do not touch."""
+    """Refuse electrodes without a film, numbers that are not whole, and patches that touch."""
     names = [name for name in OF_AN_ELECTRODE if name in cases.values]
     for name in names:
         if (needed := _ELECTRODE_NEEDS.get(name)) and needed not in cases.values:
@@ -251,7 +253,7 @@ def _check_electrodes(cases: FactorValues) -> None:
 
 
 def _check_air(cases: FactorValues) -> None:
-    """Charge crosses a gap beside every contact with air, but for those in space."""
+    """Refuse air beside line and point contacts whose punch has no gap that carries charge."""
     if not np.any(cases.among("surroundings", AIR) & ~cases.space):
         return
     for case in distinct_cases(cases.arrays)[1]:
@@ -260,7 +262,7 @@ def _check_air(cases: FactorValues) -> None:
 
 
 def _check_heat(cases: FactorValues) -> None:
-    """Every case that is touched is a film, with a time, and no other has factors of heat."""
+    """Refuse heat without a film, or without its temperature and time."""
     names = [name for name in OF_HEAT if name in cases.values]
     if not names:
         return

@@ -1,4 +1,4 @@
-"""The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
+"""The public functions of the solver, from named factors to an ``xarray.Dataset`` with units."""
 
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -26,8 +26,8 @@ from solver.fields import ACROSS, ALONG, EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import Material
 from solver.names import ALL_PEAKS, ALL_QUANTITIES, OF_HEAT
 
-#: Module and class by contact, by layers of the body, and by charge in the air around the contact. A module is imported
-#: with the first case of its kind: cases on a half-plane never load the films.
+#: Module and class by contact, layers of the body, and charge in the air beside the contact. A module is imported with
+#: the first case of its kind: cases on a half-plane never load the films.
 _BODIES: dict[tuple[Touch, bool, bool], tuple[str, str]] = {
     ("line", False, False): ("halfplane", "OnHalfPlane"),
     ("line", True, False): ("film", "OnFilm"),
@@ -130,12 +130,12 @@ def solve(
     {'case': 2}
     """
     if parts := of_kinds(factors):
-        alike = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks, outputs=outputs)
-        return solved_by_kind(parts, lambda part: alike(part, positions))
+        solve_kind = partial(solve, materials=materials, phases=phases, regular=regular, peaks=peaks, outputs=outputs)
+        return solved_by_kind(parts, lambda part: solve_kind(part, positions))
     arrays = checked(factors, materials)
     pressed = {name: array for name, array in arrays.items() if name not in OF_HEAT}
     cases = Cases(pressed, materials, phases)
-    X = None if positions is None else _places("positions", positions)
+    X = None if positions is None else _axis("positions", positions)
     requested = None if outputs is None else _known("outputs", outputs, ALL_QUANTITIES)
     searched = frozenset(ALL_PEAKS if peaks else ()) if isinstance(peaks, bool) else _known("peaks", peaks, ALL_PEAKS)
     if requested is not None:
@@ -175,23 +175,23 @@ def solve(
 
 
 def body_of(cases: Cases) -> Body:
-    """The body of cases of one kind."""
+    """Return the solved body of cases of one kind."""
     kind = cases.kind
     module, name = _BODIES[kind.touch, kind.layered, kind.air]
-    solved_by = cast(Callable[[Cases], Body], getattr(import_module(f"solver.face.{module}"), name))
-    return solved_by(cases)
+    body_class = cast(Callable[[Cases], Body], getattr(import_module(f"solver.face.{module}"), name))
+    return body_class(cases)
 
 
 _CARRIED = ("contact_pressure", "shear_traction")  # fields that tend to 0 at a smooth edge
 _WITHIN = 0.5  # position at which fields are solved in place of an edge
-_SEARCH = 256  # numbers a case of a search: 100 kB of temporaries
+_SEARCH = 256  # numbers per case in a search: 100 kB of temporaries
 _OF = "factors (contact as wide as the datum, or overflow)"
 
 
 def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str, xr.Variable]:
-    """Surface fields at positions; at an edge they are 0 where they tend to it from both sides, else NaN."""
+    """Return surface fields at positions, at an edge 0 if that is their limit from both sides, else NaN."""
     axis = {"position": xr.Variable("position", X)}
-    hollow = cases.kind.space  # no field beyond the window that was solved
+    hollow = cases.kind.space  # fields beyond the solved window are NaN
     result = cases.labelled(fields, EVERY_FIELD, "factors and positions (overflow)", axis, hollow=hollow)
     if not np.any(edge := np.abs(X) == 1):
         return result
@@ -204,7 +204,7 @@ def _on_surface(cases: Cases, fields: Mapping[str, Array], X: Array) -> dict[str
 
 
 def _known(option: str, names: Collection[str], known: Collection[str]) -> frozenset[str]:
-    """The names that an option gives, all of which are known."""
+    """Return the names of an option, or refuse the first unknown one."""
     names = [names] if isinstance(names, str) else names
     for name in names:
         if name not in known:
@@ -212,17 +212,17 @@ def _known(option: str, names: Collection[str], known: Collection[str]) -> froze
     return frozenset(names)
 
 
-def _places(name: str, values: Iterable[float]) -> Array:
-    """Finite numbers of an axis of the outputs; (place,)."""
-    places = np.empty(())
+def _axis(name: str, values: Iterable[float]) -> Array:
+    """Return the coordinates of an axis of the outputs, or refuse what is no list of finite numbers; (point,)."""
+    points = np.empty(())
     with suppress(TypeError, ValueError):
         values = unmasked(values)
-        places = np.asarray(values if isinstance(values, np.ndarray) else list(values), dtype=np.float64)
-    if places.ndim != 1 or not places.size:
+        points = np.asarray(values if isinstance(values, np.ndarray) else list(values), dtype=np.float64)
+    if points.ndim != 1 or not points.size:
         raise FactorError(f"{name}: not a list of at least one number")
-    if (bad := places[~np.isfinite(places)]).size:
+    if (bad := points[~np.isfinite(points)]).size:
         raise FactorError(f"{name}: {bad[0]:g} is not allowed; any finite number")
-    return places
+    return points
 
 
 _ALONG_X = {"units": "1", "long_name": "position (x - c)/h along the surface"}
@@ -273,10 +273,10 @@ def solve_interior(
     -221.335
     """
     if parts := of_kinds(factors):
-        alike = partial(solve_interior, fields=fields, materials=materials, phases=phases)
-        return solved_by_kind(parts, lambda part: alike(part, x, y))
+        solve_kind = partial(solve_interior, fields=fields, materials=materials, phases=phases)
+        return solved_by_kind(parts, lambda part: solve_kind(part, x, y))
     cases = Cases(checked(factors, materials), materials, phases)
-    grid_x, grid_y = _places("x", x), _places("y", y)
+    grid_x, grid_y = _axis("x", x), _axis("y", y)
     if np.any(grid_y > 0):
         raise FactorError(f"y: {grid_y.max():g} is above the surface; y/h must be <= 0")
     _known("fields", fields or (), EVERY_INTERIOR)

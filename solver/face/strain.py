@@ -11,15 +11,15 @@ from solver.face.filmbodies import stacks_of
 from solver.names import BODY
 from solver.stack.layers import Stack
 
-WIDE, DEEP = 0.2, 0.1  # largest half-width over radius, and depth over thickness, as of designs
-_STIFF = 10.0  # c44 of a base over its film's, from which on the depth is that of the film
+WIDE, DEEP = 0.2, 0.1  # largest half-width over radius, and depth over thickness, as in designs
+_STIFF = 10.0  # c44 of a base over its film's, above which the depth is that of the film
 
 
 @dataclass(frozen=True)
 class Excess:
-    """Cases with too large a size, and the worst of them."""
+    """Cases whose size exceeds a limit, and the worst of them."""
 
-    words: str  # Size and reference, with a gap for each
+    words: str  # Template for size, share and reference
     limit: float
     count: int
     size: float  # [m]
@@ -27,7 +27,7 @@ class Excess:
 
     @property
     def share(self) -> float:
-        """Size over its reference."""
+        """Ratio of the size to its reference."""
         return self.size / self.reference
 
     def __str__(self) -> str:
@@ -36,13 +36,13 @@ class Excess:
 
 
 def excesses(cases: Cases, values: Mapping[str, Array]) -> list[Excess]:
-    """Sizes beyond small strain among the solved cases of one kind."""
+    """Return the sizes beyond small strain among the solved cases of one kind."""
     strains: list[Excess | None] = []
     names = cases.kind.ends
     if "radius" in cases.outline.takes and all(name in values for name in names):
-        twice = (values[names[0]] + values[names[1]]) / (2 if cases.kind.space else 1)  # lengths, or half lengths
+        width = (values[names[0]] + values[names[1]]) / (2 if cases.kind.space else 1)
         words = "a half-width of {} is {} of the punch radius {}"
-        strains.append(_excess(words, WIDE, twice / 2, cases.values["radius"]))
+        strains.append(_excess(words, WIDE, width / 2, cases.values["radius"]))
     if cases.kind.layered and cases.kind.datum != "relative" and "depth" in values:
         thickness = _thickness(cases)
         if np.max(values["depth"]) > DEEP * np.min(thickness):
@@ -54,6 +54,7 @@ def excesses(cases: Cases, values: Mapping[str, Array]) -> list[Excess]:
 
 
 def _excess(words: str, limit: float, size: Array, reference: Array) -> Excess | None:
+    """Return the excess of sizes over a limit times a reference, None if there is none; (...) each."""
     if np.max(size) <= limit * np.min(reference):  # the usual case in one pass
         return None
     share = size / reference
@@ -73,13 +74,13 @@ def _thickness(cases: Cases) -> Array:
 
 
 def _is_on_stiff(stack: Stack) -> bool:
-    """Return whether the base is rigid or much stiffer than a layer: under others the depth is the base's."""
+    """Return whether the base is rigid or much stiffer than a layer; otherwise the depth is the base's."""
     softest = min(float(layer.material.c44) for layer in stack.layers)
     return isinstance(stack.base, str) or float(stack.base.c44) > _STIFF * softest
 
 
 def sentence(strains: Iterable[Excess], cases: int) -> str:
-    """Every kind of excess with its worst case and number of cases, in one line; empty if there is none."""
+    """Return one line with the number of cases and the worst of each kind of excess; empty if there is none."""
     joined: dict[str, Excess] = {}
     for excess in strains:
         worse = max(joined.get(excess.words, excess), excess, key=lambda candidate: candidate.share)

@@ -1,4 +1,4 @@
-"""Cases of contacts in space: from their factors to bodies and shapes, solved one by one, and their maps."""
+"""Cases of contacts in space, which are solved one by one, and their maps."""
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
@@ -74,17 +74,17 @@ class OnSurface(Body):
         return self._joined([contact.along_x(positions) for contact in self._contacts])
 
     def _joined(self, cases: Sequence[Mapping[str, Any]]) -> dict[str, Array]:
-        """Outputs that every case has, over the axes of the cases, then their own."""
+        """Join outputs that every case has; (..., other axes)."""
         names = [name for name in cases[0] if all(name in case for case in cases)]
         stacked = {name: np.array([case[name] for case in cases]) for name in names}
         return {name: values.reshape((*self.shape, *values.shape[1:])) for name, values in stacked.items()}
 
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
-        """Refused: no stresses inside are solved."""
+        """Refuse the request, since no stresses inside are solved."""
         raise FactorError("peaks: of a contact in space are not solved; the largest pressure is peak_pressure")
 
     def curves(self, regions: Sequence[str]) -> dict[str, Array]:
-        """Refused: no stresses inside are solved."""
+        """Refuse the request, since no stresses inside are solved."""
         raise FactorError("curves: of a contact in space are not solved; solve_map has its surface")
 
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
@@ -92,7 +92,7 @@ class OnSurface(Body):
 
     @property
     def _lacks_c12(self) -> str | None:
-        return None  # refused when the tensor is made
+        return None  # refused with the stiffness tensor
 
 
 def solve_map(
@@ -153,11 +153,11 @@ def solve_map(
 
 
 def _singles(cases: Cases) -> Iterator[Cases]:
-    """Cases one by one, without dimensions, in the order of their axes."""
-    for place in np.ndindex(*cases.sizes.values()):
-        at = dict(zip(cases.sizes, place, strict=True))
+    """Yield the cases one by one, without dimensions, in the order of their axes."""
+    for multi_index in np.ndindex(*cases.sizes.values()):
+        index = dict(zip(cases.sizes, multi_index, strict=True))
         arrays = {
-            name: array.isel({dim: at[str(dim)] for dim in array.dims}, drop=True)
+            name: array.isel({dim: index[str(dim)] for dim in array.dims}, drop=True)
             for name, array in cases.arrays.items()
         }
         yield replace(cases, arrays=arrays)
@@ -171,18 +171,19 @@ class _Contact:
     slopes: Slopes = Slopes.NONE
 
     def quantities(self) -> dict[str, float]:
-        """Quantities by name."""
+        """Return the quantities that the case has, by name."""
         out = quantities(self.charged, self.slopes)
         if self._metallic:
             return {name: out[name] for name in _MECHANICAL if name in out}
         if self._stack is not None:
-            above = [bool(held) for held in self._stack.grounded].index(True) + 1 if any(self._stack.grounded) else None
+            grounded = [bool(components) for components in self._stack.grounded]
+            above = grounded.index(True) + 1 if any(grounded) else None
             thickness = sum(layer.thickness for layer in self._stack.layers[:above])
             out["nominal_field"] = abs(out["voltage"]) / thickness
         return {name: value for name, value in out.items() if name in self.case.kind.quantities}
 
     def along_x(self, positions: Array) -> dict[str, Array]:
-        """Fields along x through the middle of the contact, at positions in half lengths; (position,)."""
+        """Fields along x through the middle of the contact, at positions in half-lengths; (position,) each."""
         contact = self.charged
         covered = contact.weight > 0
         x, y = (axis[np.any(covered, axis=1 - k)] for k, axis in enumerate((contact.x, contact.y)))
@@ -199,7 +200,7 @@ class _Contact:
 
     @cached_property
     def charged(self) -> SurfaceContact:
-        """Contact with its charge; on a metal, which takes every charge, at zero voltage."""
+        """Contact with its charge, or at zero voltage on a metal, which takes the charge."""
         charge = float(self.case.number("total_charge"))
         if not self._metallic:
             return self._solved(charge=charge, slopes=self.slopes)
@@ -208,6 +209,7 @@ class _Contact:
         return self._solved(voltage=0.0, slopes=min(self.slopes, Slopes.BY_VOLTAGE))
 
     def _solved(self, **control: Any) -> SurfaceContact:
+        """Solve the contact at a charge or a voltage."""
         case = self.case
         try:
             return solve_contact(
@@ -227,17 +229,18 @@ class _Contact:
 
     @property
     def _metallic(self) -> bool:
-        """True on a layer of metal, which shares no potential but zero with the punch."""
+        """True if the top layer is a metal, which is at zero potential."""
         return self._stack is not None and self._stack.conductors[0]
 
     @property
     def _punch(self) -> tuple[float, float] | None:
+        """Modulus [Pa] and Poisson's ratio of an elastic punch."""
         modulus, poisson = (float(value) for value in elasticity_of(self.case))
         return None if np.isinf(modulus) else (modulus, poisson)
 
     @cached_property
     def _stack(self) -> Stack | None:
-        """Layers of the case; None of a half-space."""
+        """Layers of the case, None for a half-space."""
         return stack_of(self._factors, self.case.materials, self.case.phases) if self.case.kind.layered else None
 
     @property
@@ -246,14 +249,15 @@ class _Contact:
 
     @cached_property
     def _body(self) -> SurfaceBody:
+        """Half-space or layers with their stiffness tensors."""
         stack = self._stack
         if stack is None:
             material = one_of_case(self._factors, self.case.materials, self.case.phases)
             body = SurfaceBody((), material.stiffness_tensor())
         else:
             layers = [
-                SurfaceLayer(layer.material.stiffness_tensor(), layer.thickness, 2 in held, metal)
-                for layer, held, metal in zip(stack.layers, stack.grounded, stack.conductors, strict=False)
+                SurfaceLayer(layer.material.stiffness_tensor(), layer.thickness, 2 in components, metal)
+                for layer, components, metal in zip(stack.layers, stack.grounded, stack.conductors, strict=False)
             ]
             base = None if isinstance(stack.base, str) else stack.base.stiffness_tensor()
             body = SurfaceBody(layers, base, stack.conductors[-1])
@@ -265,12 +269,13 @@ class _Contact:
 
     @property
     def _outline(self) -> tuple[str, dict[str, float]]:
-        """Profile of a case and its numbers."""
+        """Profile of the case and its factors."""
         profile = str(self._factors.get("profile"))
         return profile, {name: float(self.case.number(name)) for name in PROFILES[profile].takes}
 
     @cached_property
     def _shape(self) -> Shape:
+        """Shape of the punch."""
         profile, size = self._outline
         try:
             if profile == "map":
@@ -286,10 +291,10 @@ class _Contact:
 
     @property
     def _end(self) -> float:
-        """Distance at which the punch's gap ends [m]: of a ball its radius; infinite of a punch with ends."""
-        chosen = float(self.case.number("gap_radius"))
-        if chosen > 0:
-            return chosen
+        """Distance at which the gap ends [m]: a factor, a ball's radius, or infinity for a bounded punch."""
+        gap_radius = float(self.case.number("gap_radius"))
+        if gap_radius > 0:
+            return gap_radius
         profile, size = self._outline
         if profile == "ellipsoid":
             return float(np.sqrt(size["radius_x"] * size["radius_y"]))
@@ -297,11 +302,11 @@ class _Contact:
 
 
 def _map(heights: object, spacing: float) -> Map:
-    """Height map of an array, or of a file: CSV with a line for each x, or one that SurfaceTopography reads."""
+    """Return the height map of an array, of a CSV with a line for each x, or of a file for SurfaceTopography."""
     distance: Any = spacing
     if isinstance(heights, str | Path):
-        heights, own = _read(Path(heights), spacing)
-        distance = spacing if spacing > 0 else own
+        heights, file_spacing = _read(Path(heights))
+        distance = spacing if spacing > 0 else file_spacing
     if not np.all(np.asarray(distance) > 0):
         raise FactorError("map_spacing: missing; must be a finite number > 0 [m]")
     try:
@@ -311,8 +316,8 @@ def _map(heights: object, spacing: float) -> Map:
     return Map(values, distance)
 
 
-def _read(path: Path, spacing: float) -> tuple[Array, Any]:
-    """Heights of a file [m], and the distance between its points; 0 of a CSV."""
+def _read(path: Path) -> tuple[Array, Any]:
+    """Read the heights of a file [m], and the distance between its points [m], 0 for a CSV."""
     try:
         size = path.stat().st_size
     except OSError as error:
@@ -326,11 +331,11 @@ def _read(path: Path, spacing: float) -> tuple[Array, Any]:
             raise FactorError(f"{HEIGHT_MAP}: {path}: {str(error).splitlines()[0]}") from None
     try:
         topography = import_module("SurfaceTopography").read_topography(str(path)).to_unit("m")
-        measured = np.asarray(topography.heights())  # out of the punch
+        measured = np.asarray(topography.heights())  # positive out of the punch
         return np.max(measured) - measured, tuple(topography.pixel_size)
     except ImportError:
         raise FactorError(
             f"{HEIGHT_MAP}: {path}: no .csv; other files need the optional package SurfaceTopography"
         ) from None
-    except Exception as error:  # whatever a reader of foreign files raises
+    except Exception as error:  # readers of other formats raise any exception
         raise FactorError(f"{HEIGHT_MAP}: {path}: {' '.join(str(error).split())[:200]}") from None

@@ -1,4 +1,4 @@
-"""Solved cases as a table for people: engineering units, without the fields that their bodies do not have."""
+"""Solved cases as a table in engineering units, without fields that are not coupled to the deformation."""
 
 import numpy as np
 import pandas as pd
@@ -8,9 +8,9 @@ from solver.fields import Field, fields_of
 from solver.names import ALL_QUANTITIES
 from solver.units import prefixed
 
-_BY_ITSELF = ("capacitance", "permeance")  # every body has them, whether or not it couples a field to its deformation
+_UNCOUPLED = ("capacitance", "permeance")  # which bodies without coupling to the deformation have, too
 
-_ROUNDING = 1e-6  # of the smallest prefix: a moment that vanishes but for rounding
+_ROUNDING = 1e-6  # of the smallest prefix: values that are 0 except for rounding
 
 
 def table(answer: xr.Dataset) -> pd.DataFrame:
@@ -44,7 +44,7 @@ def table(answer: xr.Dataset) -> pd.DataFrame:
     sizes = {name: float(np.nanmax(np.abs(answer[name].values), initial=0.0)) for name in units}
     coupled: set[Field] = set()
     for name, size in sizes.items():
-        if size and not any(word in name for word in _BY_ITSELF):
+        if size and not any(word in name for word in _UNCOUPLED):
             coupled |= fields_of(units[name])
     scales = {name: prefixed(size, units[name]) for name, size in sizes.items() if fields_of(units[name]) <= coupled}
     quantities = answer[list(scales)]

@@ -1,1 +1,1 @@
-"""Air beside the contact, under a conducting punch (theory section 10)."""
+"""Contacts of conducting punches in air (theory section 10; points, 6 and 8)."""

@@ -1,9 +1,4 @@
-"""Line contacts with air beside them, and their equations (theory section 10).
-
-Beside the contact D (profile - depth - u_y) = eps0 (phi - V), and the same with B, mu0 and psi. Unknowns are log h,
-c/h, T, J and the densities at the nodes; a charge is given, or the potential that it makes zero. Tangents follow from
-the same linear system.
-"""
+"""Equations of line contacts in air, in log h, c/h, T, J and the exterior densities (theory section 10)."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -23,31 +18,31 @@ _EXTENT = 2  # unknowns before the charges: log h, c/h
 
 @dataclass(frozen=True, eq=False)
 class LineStates(GapStates):
-    """Contacts under cylinders and their kind, in the units of the stack."""
+    """Line contacts, in the units of the stack."""
 
     table: AirTable
     loading: Loading
-    far: Array  # Displacements per total of the tractions that the datum adds; (case, 3, 3)
+    far: Array  # Displacements per load that the datum adds; (case, 3, 3)
     media: Array  # eps0 and mu0 of the conducted fields; (case, field)
 
     def part(self, cases: Indices) -> Self:
-        """Some of the cases."""
+        """States of some of the cases."""
         loading = selected(self.loading, cases, "slope", "loads")
         return replace(selected(self, cases, "unknowns", "far", "media"), loading=loading)
 
     @cached_property
     def half(self) -> Array:
-        """h; (case,)."""
+        """Half-length h; (case,)."""
         return np.exp(self.unknowns[:, 0])
 
     @property
     def centre(self) -> Array:
-        """c/h; (case,)."""
+        """Centre of the contact, c/h; (case,)."""
         return self.unknowns[:, 1]
 
     @cached_property
     def loads(self) -> Array:
-        """P, T, J; (case, 3)."""
+        """Loads P, T, J; (case, 3)."""
         return np.concatenate([self.loading.loads[:, :1], self.unknowns[:, _EXTENT : _EXTENT + 2]], 1)
 
     @cached_property
@@ -56,7 +51,7 @@ class LineStates(GapStates):
 
     @cached_property
     def causes(self) -> Linear:
-        """Powers of X in the slope, T/h and J/h."""
+        """Causes: coefficients of the slope's powers of X, T/h and J/h."""
         extent = self._extent
         by_first = np.zeros((*extent.values.shape, _EXTENT + 2))
         by_first[..., 0], by_first[..., 1] = extent.by_width, extent.by_centre
@@ -65,14 +60,14 @@ class LineStates(GapStates):
 
     @cached_property
     def terms(self) -> Terms:
-        """Load over P less 1, balance of the slope, charges less the prescribed ones, and the gap's law."""
+        """Terms of the load, the balance of the slope, the charges and the gap's law."""
         rows, extent, load = self.rows, self._extent, self.loads[:, 0]
-        count, first, share = load.size, _EXTENT + 2, self.half / load
+        count, first, over_load = load.size, _EXTENT + 2, self.half / load
         head, by_first, by_outputs = (np.zeros((count, first, *size)) for size in ((), (first,), (SOLVING,)))
-        head[:, 0], head[:, 1] = share * rows[:, LOAD] - 1, extent.constant - rows[:, BALANCE]
+        head[:, 0], head[:, 1] = over_load * rows[:, LOAD] - 1, extent.constant - rows[:, BALANCE]
         head[:, _EXTENT:] = self.loads[:, 1:] - self.loading.loads[:, 1:]
-        by_outputs[:, 0, LOAD], by_outputs[:, 1, BALANCE] = share, -1.0
-        by_first[:, 0, 0] = share * rows[:, LOAD]
+        by_outputs[:, 0, LOAD], by_outputs[:, 1, BALANCE] = over_load, -1.0
+        by_first[:, 0, 0] = over_load * rows[:, LOAD]
         by_first[:, 1, 0], by_first[:, 1, 1] = extent.constant_by_width, extent.constant_by_centre
         by_first[:, _EXTENT, _EXTENT] = by_first[:, _EXTENT + 1, _EXTENT + 1] = 1.0
         slopes = np.concatenate(
@@ -83,9 +78,9 @@ class LineStates(GapStates):
             2,
         )
         profile, size = slopes @ self.table.powers.T, self.table.size
-        rising = np.zeros((count, profile.shape[2], first))
-        rising[..., :_EXTENT] = np.moveaxis(profile[1:], 0, 2)
-        X = np.abs(self.frame.places)
+        profile_rates = np.zeros((count, profile.shape[2], first))
+        profile_rates[..., :_EXTENT] = np.moveaxis(profile[1:], 0, 2)
+        X = np.abs(self.frame.positions)
         reference = (X - 1) ** 1.5 / np.sqrt(X) * np.max(np.abs(slopes[0]), 1)[:, None]
         weights = np.sqrt(size)  # the last panel's unknowns are D X^2, and its charge is D X
         largest = np.max(np.abs(self.over_size) * weights, 2, initial=1e-300)
@@ -93,7 +88,7 @@ class LineStates(GapStates):
         charges = np.maximum(np.abs(self.loads[:, 1:]), (np.max(largest, 1) * self.half)[:, None])
         sizes = [np.ones((count, _EXTENT)), charges, (largest[..., None] / weights).reshape(count, -1)]
         return Terms(
-            Linear(head, by_first, by_outputs), Linear(profile[0], rising), reference,
+            Linear(head, by_first, by_outputs), Linear(profile[0], profile_rates), reference,
             self.media[..., None] / (size * reference)[:, None], np.zeros_like(reference), np.concatenate(sizes, 1),
         )  # fmt: skip
 
@@ -117,7 +112,7 @@ class LineStates(GapStates):
 
     @property
     def by_load(self) -> tuple[Array, Array]:
-        """Right sides for unit loads, and the datum's part of the response."""
+        """Right sides for unit loads, and the datum's part of the response to the load; (case, 3) each."""
         right = np.ones((self.half.size, 3))
         right[:, 0] = self.half * self.rows[:, LOAD] / self.loads[:, 0] ** 2
         return right, -self.far[..., 0] * _SIGNS
@@ -128,14 +123,14 @@ _SIGNS = np.array([-1.0, 1.0, 1.0])  # of u_y, phi and psi in depth, V and Psi
 
 @dataclass(frozen=True, eq=False)
 class AirContacts:
-    """Contacts of one table with air beside them."""
+    """Contacts in air that share a table."""
 
     table: AirTable
     contact: FilmContact
-    permittivity: Array  # Of what fills the gaps, electric and magnetic; (case, 2)
+    permittivity: Array  # Permittivity and permeability of the gas in the gaps; (case, 2)
 
     def states(self, held: tuple[bool, bool] = (False, False)) -> LineStates:
-        """The contacts without air or charges beside them."""
+        """Contacts without air, from which the solution starts."""
         contact, scale, operators = self.contact, self.contact.scale, self.table.operators
         fields = operators.system.fields
         unknowns = np.zeros((contact.load.size, _EXTENT + 2 + len(fields) * operators.density_nodes))
@@ -152,7 +147,7 @@ class AirContacts:
 
     @property
     def solved(self) -> Settled[LineStates]:
-        """The solutions under the prescribed charges."""
+        """Solutions under the prescribed charges."""
         return self._settled.require()
 
     @cached_property
@@ -164,19 +159,16 @@ class AirContacts:
 
     @property
     def within(self) -> bool:
-        """Return True if all contacts are found between the ends of the table."""
+        """Return True if all contacts converge to half-lengths within the table."""
         log_half, interval = self._settled.states.unknowns[:, 0], self.table.table.interval
         return bool(np.all(self._settled.valid & (interval.low < log_half) & (log_half < interval.high)))
 
-    def held(self, held: tuple[bool, bool], idle: Settled[LineStates]) -> Settled[LineStates]:
-        """The solutions at potentials of zero, from the same contacts with prescribed charges.
-
-        These may have a closed gap all the same: that of a half-plane at zero volts, where no charge is left beside it.
-        """
-        return continued(self.states(held), idle).require()
+    def held(self, held: tuple[bool, bool], charged: Settled[LineStates]) -> Settled[LineStates]:
+        """Solutions at zero potentials, continued from those with prescribed charges."""
+        return continued(self.states(held), charged).require()
 
     def solutions(self) -> list["LineSolution"]:
-        """Every contact with its charges."""
+        """Solution of every contact."""
         states = self.solved.states
         return [
             LineSolution(
@@ -193,6 +185,6 @@ class LineSolution:
 
     operators: Operators
     contact: FilmContact
-    half: float
+    half: float  # h
     causes: Array  # (cause,)
     over_size: Array  # Densities at the nodes over their size; (field, n)

@@ -1,9 +1,4 @@
-"""Point contacts with air beside them, and their equations (points, 6).
-
-Beside the contact D (profile - depth - u_y) (1 + r^2/end^2) = eps0 (phi - V), and the same with B, mu0 and psi. Unknown
-are log a, u0 = (-depth, V, Psi) over C a^e, and the densities at the nodes over their size. Tangents follow from the
-same linear system: the edge moves with them.
-"""
+"""Equations of point contacts in air, in log a, u0 = (-depth, V, Psi) over C a^e and the densities (points, 6)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,13 +19,13 @@ class PointStates(GapStates):
 
     table: RingTable
     coefficient: Array  # C of the profile C r^e; (case,)
-    force: Array  # (case,)
-    charges: Array  # Prescribed ones of the conducted fields; (case, field)
+    force: Array  # P; (case,)
+    charges: Array  # Prescribed charges of the conducted fields; (case, field)
     media: Array  # eps0 and mu0 of the conducted fields; (case, field)
-    end: Array  # Where the gap ends; (case,)
+    end: Array  # Distance at which the gap ends; (case,)
 
     def part(self, cases: Indices) -> Self:
-        """Some of the cases."""
+        """States of some of the cases."""
         return selected(self, cases, "unknowns", "coefficient", "force", "charges", "media", "end")
 
     @property
@@ -40,12 +35,12 @@ class PointStates(GapStates):
 
     @property
     def layout(self) -> Rows:
-        """Places of the outputs."""
+        """Layout of the outputs."""
         return self.operators.rows
 
     @property
     def rings(self) -> Rings:
-        """Panels beside the contact."""
+        """Transforms of the exterior densities."""
         return self.operators.rings
 
     @property
@@ -54,12 +49,12 @@ class PointStates(GapStates):
 
     @cached_property
     def radius(self) -> Array:
-        """a; (case,)."""
+        """Contact radius a; (case,)."""
         return np.exp(self.unknowns[:, 0])
 
     @cached_property
     def size(self) -> Array:
-        """C a^e; (case,)."""
+        """Unit of displacements, C a^e; (case,)."""
         return self.coefficient * self.radius**self._exponent
 
     @property
@@ -68,12 +63,12 @@ class PointStates(GapStates):
 
     @property
     def displacement(self) -> Array:
-        """(-depth, V, Psi) over C a^e of the channels; (case, channel)."""
+        """Displacement u0 of the channels over C a^e; (case, channel)."""
         return self.unknowns[:, 1 : self.layout.causes]
 
     @cached_property
     def causes(self) -> Linear:
-        """u0, and the profile."""
+        """Causes u0 and g."""
         count, first = len(self.unknowns), self.layout.causes
         by_first = np.broadcast_to(np.eye(first, first, 1), (count, first, first))
         values = np.concatenate([self.displacement, np.ones((count, 1))], 1)
@@ -81,7 +76,7 @@ class PointStates(GapStates):
 
     @cached_property
     def terms(self) -> Terms:
-        """Force over the prescribed one, strength of the edge, charges and the prescribed ones, and the gap's law."""
+        """Terms of the force, the smooth edge, the charges and the gap's law."""
         rows, layout, load, e = self.rows, self.layout, self._load_unit, self._exponent
         count, first, over_force = load.size, layout.causes, load / self.force
         head, by_first, by_outputs = (np.zeros((count, first, *size)) for size in ((), (first,), (self.frame.heads,)))
@@ -93,20 +88,20 @@ class PointStates(GapStates):
             by_outputs[:, 2 + charge, 1 + charge] = 1.0
             by_first[:, 2 + charge, 0] = (e + 1) * rows[:, 1 + charge]
         profile = np.broadcast_to(self.operators.profile, (count, layout.nodes))
-        share = self.thinned / (self.rings.size * profile) * (self.radius / self.size)[:, None]
+        per_potential = self.end_factor / (self.rings.size * profile) * (self.radius / self.size)[:, None]
         displacement = np.abs(self.displacement)
         causes = np.maximum(displacement, 1e-3 * np.max(displacement, 1, keepdims=True))
         largest = np.max(np.abs(self.over_size), 2, initial=1e-300)
         largest = np.maximum(largest, (1e-3 * self.force / load)[:, None])
         return Terms(
             Linear(head, by_first, by_outputs), Linear(profile, np.zeros((count, layout.nodes, first))), profile,
-            self.media[..., None] * share[:, None], 1 - e - 2 * (1 - self.thinned),
+            self.media[..., None] * per_potential[:, None], 1 - e - 2 * (1 - self.end_factor),
             np.concatenate([np.ones((count, 1)), causes, np.repeat(largest, layout.nodes, 1)], 1),
         )  # fmt: skip
 
     @cached_property
     def response(self) -> Linear:
-        """-depth, V and Psi."""
+        """Displacement u0 = (-depth, V, Psi)."""
         u, count = self.size[:, None] * self.displacement, self.layout.causes - 1
         by_first = self.size[:, None, None] * np.eye(count, count + 1, 1)
         by_first[..., 0] = self._exponent * u
@@ -114,18 +109,18 @@ class PointStates(GapStates):
 
     @property
     def by_load(self) -> tuple[Array, Array]:
-        """Right sides for unit loads; no datum."""
+        """Right sides for unit loads, (case, 1 + field), and zeros: a point needs no datum."""
         load, count = self._load_unit, self.layout.causes - 1
         right = np.repeat(-1 / load[:, None], count, 1)
         right[:, 0] = load * self.rows[:, 0] / self.force**2
         return right, np.zeros((load.size, count))
 
     @cached_property
-    def thinned(self) -> Array:
+    def end_factor(self) -> Array:
         """Factor 1/(1 + r^2/end^2) by which the finite punch weakens the gap's field; (case, n)."""
         return 1 / (1 + (self.rings.grid.distance * (self.radius / self.end)[:, None]) ** 2)
 
     @property
     def loads(self) -> Array:
-        """P and the charges of the fields; (case, channel)."""
+        """Loads (P, T, J) of the channels; (case, channel)."""
         return -self.rows[:, self.layout.loads] * self._load_unit[:, None]

@@ -1,14 +1,10 @@
-"""Charges beside one contact and the charge induced in it: values, transforms, spectra (theory section 10).
+"""Exterior charges of one contact and the charge induced in it: values, transforms, spectra (theory section 10).
 
-With X = +-cosh(u) beside the contact, z = cosh(w) above it and C the charge beyond, of the right side
+With X = +-cosh(u) outside the contact, z = cosh(w) above it and C the charge beyond u, the transforms of the right side
 
-    H = 1/(pi sinh w) int D sinh^2 u / (cosh u - cosh w) du,    F = -(1/pi) int C [sinh w / (cosh u - cosh w) + 1] du,
+    H = 1/(pi sinh w) int D sinh^2 u / (cosh u - cosh w) du,    F = -(1/pi) int C [sinh w / (cosh u - cosh w) + 1] du
 
-F' = H, F = 0 at infinity. Intervals next to w have Gauss's rule with its error at the poles +-w made good: it is what
-1/(u -+ w) alone has, times the residue.
-
-Charges vary on the scale of their distance from the edge. A smooth window in the logarithm of that distance therefore
-has no short waves: each window is integrated only up to the wavenumbers that it contains, over bounded phases.
+have F' = H, F = 0 at infinity. On intervals near w Gauss's rule is corrected by its error for the poles 1/(u -+ w).
 """
 
 from dataclasses import dataclass
@@ -31,18 +27,18 @@ _WIDTH = 0.9  # of the intervals into which the infinite panel is cut
 #: Number of intervals for fields and for potentials; charge beyond them counts as a charge at infinity, to 1e-10.
 NEAR, FAR = 10, 26
 _ELLIPSE = 4.5  # rho^-20 is left: 1e-13
-_TINY = 1e-300  # of the imaginary part: the upper side of the real axis
+_TINY = 1e-300  # least imaginary part: the upper side of the real axis
 _TERMS_AT_ONCE = 1 << 20  # points times nodes at a time: bounded memory
 _GROWTH, _FIRST = 2.5, 100.0  # of panels in k towards 0, and the largest phase across the first
 
 
 @dataclass(frozen=True, eq=False)
 class Charges:
-    """D_y and B_y beside a contact."""
+    """Densities D_y and B_y outside one contact."""
 
     grid: Grid
-    unknowns: Array
-    intervals: int = NEAR
+    unknowns: Array  # Densities over their size, right side and left; (side, 2, n)
+    intervals: int = NEAR  # Number of intervals of the infinite panel
 
     @cached_property
     def ends(self) -> Array:
@@ -51,7 +47,7 @@ class Charges:
         return np.concatenate([ends, ends[-1] + _WIDTH * np.arange(1, self.intervals + 1)])
 
     def spectrum(self, most: float) -> "Spectrum":
-        """Spectrum up to a wavenumber times the half-length, shared by all of a power of two."""
+        """Spectrum up to the next power of two of the wavenumber times the half-length ``most``."""
         power = int(np.ceil(np.log2(max(most, 1.0))))
         if power not in self._spectra:
             self._spectra[power] = Spectrum(self, 2.0**power)
@@ -62,12 +58,10 @@ class Charges:
         return {}
 
     def wavenumbers(self, ends: Array, half_length: float, reach: float) -> tuple[Array, Array]:
-        """Wavenumbers and weights on panels in k and on smaller ones; distant charges extend those of long waves only.
-
-        Across the first panel the farthest charges are in phase; ``reach``: that of fields from the edges.
-        """
-        turns = np.log(ends[1] * half_length * np.cosh(self.ends[-1]) / _FIRST) / np.log(_GROWTH)
-        below = ends[1] * _GROWTH ** -np.arange(1.0, max(turns, 0) + 2)
+        """Wavenumbers and weights on panels between ``ends`` [1/m], for fields up to ``reach`` [m] from the edges."""
+        # smaller first panels keep the farthest charges in phase; distant charges refine those of long waves only
+        count = np.log(ends[1] * half_length * np.cosh(self.ends[-1]) / _FIRST) / np.log(_GROWTH)
+        below = ends[1] * _GROWTH ** -np.arange(1.0, max(count, 0) + 2)
         ends = np.concatenate([[0.0], below[::-1], ends[1:]])
         spectrum = self.spectrum(float(ends[-1]) * half_length)
         far = [reach + half_length * spectrum.reach(start * half_length) for start in ends[:-1].tolist()]
@@ -83,11 +77,11 @@ class Charges:
 
     @cached_property
     def _u(self) -> Array:
-        """(interval, node)."""
+        """Nodes in u; (interval, node)."""
         return np.asarray(self._middles[:, None] + self._halves[:, None] * _LEGENDRE_NODES)
 
     def densities(self, u: Array) -> Array:
-        """Densities at points u beside the contact; (side, 2, point)."""
+        """Densities at points u of both sides; (side, 2, point)."""
         return np.asarray(self.unknowns @ self.grid.interpolation(u).T * self.grid.size_at(u))
 
     @cached_property
@@ -102,7 +96,7 @@ class Charges:
 
     @cached_property
     def _beyond(self) -> Array:
-        """The same of the charge beyond u."""
+        """Legendre coefficients of the charge beyond u on every interval; (node, side, 2, interval)."""
         within = legint(self._series, lbnd=1, axis=0) * -self._halves
         whole = np.asarray(legval(-1.0, within))
         within[0] += np.cumsum(whole[..., ::-1], -1)[..., ::-1] - whole
@@ -115,23 +109,23 @@ class Charges:
 
     # -- on the surface ------------------------------------------------------------------------------------------------
     def density(self, X: Array) -> Array:
-        """Densities at X beside the contact; (2, point)."""
+        """Densities at X outside the contact; (2, point)."""
         right, left = self.densities(np.arccosh(np.abs(X)))
         return np.asarray(np.where(X > 0, right, left))
 
-    def drawn(self, X: Array) -> Array:
+    def induced(self, X: Array) -> Array:
         """Charge densities induced in the contact, at abs(X) < 1; (2, point)."""
         right, left = self.unknowns @ np.stack([self.grid.induced(X).T, self.grid.induced(-X).T])
         return np.asarray((right + left) / np.sqrt((1 - X) * (1 + X)))
 
-    def terms(self, count: int) -> Array:
-        """The same as coefficients of T_n / sqrt(1 - X^2), n < count; (2, n)."""
+    def induced_terms(self, count: int) -> Array:
+        """Coefficients of T_n / sqrt(1 - X^2), n < count, in the induced charge densities; (2, n)."""
         right, left = self.unknowns @ self.grid.induced_terms(count).T
         return np.asarray(right + (-1.0) ** np.arange(count) * left)
 
     # -- off the surface -----------------------------------------------------------------------------------------------
     def transforms(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """H of all charges, or F, at complex points z = X + iY (point,) above the surface or on it; (2, point)."""
+        """Transform H of all charges, or F, at points z = X + iY (point,) with Y >= 0; (2, point)."""
         out: ComplexArray = np.empty((2, z.size), np.complex128)
         step = max(_TERMS_AT_ONCE // self._u.size, 1)
         for block in blocks(z.size, step):
@@ -148,26 +142,27 @@ class Charges:
         weights = self._halves[:, None] * _WEIGHTS
         lines = legval(_LEGENDRE_NODES, series) if integrated else self._lines[side] * np.sinh(self._u)
         rule = (lines * weights).reshape(2, -1)
-        sums = np.stack(self._summed(rule, z))
-        result: ComplexArray = sums[0] + 1j * sums[1]
+        real, imaginary = self._summed(rule, z)
+        result: ComplexArray = real + 1j * imaginary
         if integrated:
             result = result * root
-        self._mend(result, w, series, weights, integrated)
+        self._correct(result, w, series, weights, integrated)
         if integrated:
             return np.asarray(-(result + rule.sum(1)[:, None]) / np.pi)
         return np.asarray((result + self._far_charge[side, :, None]) / (np.pi * root))
 
     def _summed(self, rule: Array, z: ComplexArray) -> tuple[Array, Array]:
         """Real and imaginary part of the sum of rule / (cosh u - z); (2, point) each."""
-        distance = 2 * np.sinh(self._u / 2).ravel()[:, None] ** 2 - (
-            z.real - 1
-        )  # a difference of distances to the edge
+        # cosh u - X as a difference of distances to the edge
+        distance = 2 * np.sinh(self._u / 2).ravel()[:, None] ** 2 - (z.real - 1)
         size = distance**2 + z.imag**2
         size[size == 0] = _TINY
         return rule @ (distance / size), (rule @ (1 / size)) * z.imag
 
-    def _mend(self, transforms: ComplexArray, w: ComplexArray, series: Array, weights: Array, integrated: bool) -> None:
-        """Add the error of Gauss's rules at the poles u = w and u = -w."""
+    def _correct(
+        self, transforms: ComplexArray, w: ComplexArray, series: Array, weights: Array, integrated: bool
+    ) -> None:
+        """Add the errors of Gauss's rules for the poles u = w and u = -w to ``transforms`` (2, point)."""
         for sign in (1, -1):
             pole = sign * w
             local = (pole - self._middles[:, None]) / self._halves[:, None]
@@ -181,50 +176,50 @@ class Charges:
                 transforms[:, points] += (sign if integrated else 1) * residue * (exact - ruled)
 
 
-_WINDOW, _SLOPE = 0.9, 0.2  # of windows in log(abs(X) - 1), and the width of their ends
+_WINDOW, _SLOPE = 0.9, 0.2  # length of windows in log(abs(X) - 1), and the width of their ends
 _TAIL = 4.8 * _SLOPE  # beyond which 1e-11 of a window is left
-_CUT = 75.0  # wavenumber times the distance of a window's beginning from the edge beyond which 1e-10 of it is left
-_PHASE, _PIECE = 28.0, 24  # across a piece, and its nodes
-_BAND = 6.0  # of wavenumbers that share nodes
+_CUT = 75.0  # wavenumber times the distance of a window's start from the edge beyond which 1e-10 of it is left
+_PHASE, _PIECE = 28.0, 24  # largest phase across a piece, and its nodes
+_BAND = 6.0  # ratio of wavenumbers that share nodes
 
 
 @dataclass(frozen=True, eq=False)
 class ChargeWindow:
-    """Charges between two distances from the edge, with smooth ends."""
+    """Charges between two distances from the edge, on whose scale they vary, so that they have no short waves."""
 
-    charges: Charges  # All of them
+    charges: Charges  # All charges of the contact
     # Logarithms of the distances
     start: float
     stop: float
-    most: float  # Largest wavenumber times the half-length that it has
+    most: float  # Largest wavenumber times the half-length in the window
 
     @cached_property
     def _inner(self) -> Array:
-        """Ends in u of the window, cut at the intervals of the charges."""
+        """Ends in u of the charges' intervals within the window."""
         ends = self.charges.ends
-        reach = np.exp(np.minimum([self.start - _TAIL, self.stop + _TAIL], 300.0))
-        least, farthest = np.minimum(np.arccosh(1 + reach), ends[-1])
-        return np.array([least, *ends[(ends > least) & (ends < farthest)], farthest])
+        distances = np.exp(np.minimum([self.start - _TAIL, self.stop + _TAIL], 300.0))
+        nearest, farthest = np.minimum(np.arccosh(1 + distances), ends[-1])
+        return np.array([nearest, *ends[(ends > nearest) & (ends < farthest)], farthest])
 
     @property
     def reach(self) -> float:
-        """Largest abs(X) of it."""
+        """Largest abs(X) of the window."""
         return float(np.cosh(self._inner[-1]))
 
     def _rule(self, most: float) -> tuple[Array, Array]:
-        """X of nodes on the right, (node,), and charges right and left, (side, 2, node), for waves up to a number."""
+        """Nodes X on the right, (node,), and weighted charges, (side, 2, node), for waves up to ``most``."""
         cuts = [
             np.linspace(low, high, 1 + int(most * (np.cosh(high) - np.cosh(low)) / _PHASE), endpoint=False)
             for low, high in pairwise(self._inner.tolist())
         ]
         u, weights = gauss(np.append(np.concatenate(cuts), self._inner[-1]), _PIECE)
-        place = np.log(2 * np.sinh(u / 2) ** 2)
-        share = (erf((place - self.start) / _SLOPE) - erf((place - self.stop) / _SLOPE)) / 2
-        return np.cosh(u), self.charges.densities(u) * (weights * np.sinh(u) * share)
+        log_distance = np.log(2 * np.sinh(u / 2) ** 2)
+        window = (erf((log_distance - self.start) / _SLOPE) - erf((log_distance - self.stop) / _SLOPE)) / 2
+        return np.cosh(u), self.charges.densities(u) * (weights * np.sinh(u) * window)
 
     @cached_property
     def _bands(self) -> list[tuple[float, float, Array, Array]]:
-        """Bands of wavenumbers with the rule of each."""
+        """Bands of wavenumbers, least and largest, each with its rule."""
         result, most = list[tuple[float, float, Array, Array]](), self.most
         while most > 0:
             least = most / _BAND if most * self.reach > 1 else -1.0
@@ -233,7 +228,7 @@ class ChargeWindow:
         return result
 
     def add(self, out: ComplexArray, q: Array) -> None:
-        """Add the window's spectrum to ``out`` (2, wavenumber), complex, at wavenumbers q times the half-length."""
+        """Add the window's spectrum to ``out`` (2, wavenumber), at wavenumbers times the half-length q."""
         for least, most, X, (right, left) in self._bands:
             members = np.flatnonzero((q > least) & (q <= most))
             if members.size:
@@ -243,10 +238,10 @@ class ChargeWindow:
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Spectrum up to a wavenumber."""
+    """Fourier transform of the charges up to a wavenumber; each window is integrated over its own wavenumbers."""
 
     charges: Charges
-    most: float
+    most: float  # Largest wavenumber times the half-length
 
     @cached_property
     def windows(self) -> list[ChargeWindow]:
@@ -258,11 +253,11 @@ class Spectrum:
         ]
 
     def reach(self, q: float) -> float:
-        """Largest abs(X) whose charges count from a wavenumber times the half-length on."""
+        """Largest abs(X) of the charges whose spectrum exceeds the wavenumber times the half-length q."""
         return max((window.reach for window in self.windows if window.most > q), default=1.0)
 
     def values(self, q: Array) -> ComplexArray:
-        """Integrals of D exp(-i q X) dX over both sides; (2, wavenumber)."""
+        """Integrals of D exp(-i q X) dX over both sides at q (wavenumber,); (2, wavenumber)."""
         out: ComplexArray = np.zeros((2, q.size), np.complex128)
         for window in self.windows:
             window.add(out, q)

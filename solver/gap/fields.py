@@ -1,4 +1,4 @@
-"""Fields of contacts with air beside them, on the surface and inside, case by case; their peaks and curves."""
+"""Fields of line contacts in air, on the surface and inside, with their peaks and curves, case by case."""
 
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, field, replace
@@ -13,7 +13,7 @@ from solver.curves import REGIONS
 from solver.fields import FIELDS
 from solver.gap.airline import LineSolution
 from solver.gap.charges import FAR, NEAR, Charges
-from solver.gap.densities import Densities
+from solver.gap.densities import integrals
 from solver.gap.quantities import solutions
 from solver.halfplane.interior import LINEAR, POTENTIALS
 from solver.halfplane.peaks import lines as region_lines
@@ -40,13 +40,13 @@ class AirTractions(Tractions):
     """Tractions of one contact, as one column; ``charges`` excludes the charge induced by exterior charges."""
 
     exterior_charges: Charges = field(kw_only=True)
-    widest: float = 0.0
+    widest: float = 0.0  # Distance from the centre up to which fields are read, in the unit of the half-length
 
     @cached_property
     def _whole(self) -> Tractions:
         """Tractions of the contact, including the induced charge."""
-        drawn = self.exterior_charges.terms(self.charges.shape[2])
-        densities = (self.pressures, self.charges + drawn[None, :, :, None])
+        induced = self.exterior_charges.induced_terms(self.charges.shape[2])
+        densities = (self.pressures, self.charges + induced[None, :, :, None])
         return Tractions(self.system, self.basis, self.half_lengths, *densities, self.upper)
 
     @property
@@ -54,7 +54,7 @@ class AirTractions(Tractions):
         return float(self.half_lengths[0])
 
     def part(self, members: slice | NDArray[np.intp]) -> Self:
-        """The contact itself, with its cached spectra: it is the only member."""
+        """Return the contact itself, with its cached spectra: it is the only member."""
         return self
 
     def wavenumbers(self, body: Stack, nearest: float, reach: float, width: float) -> tuple[Array, Array]:
@@ -63,11 +63,11 @@ class AirTractions(Tractions):
         return self.exterior_charges.wavenumbers(panels(body, width), self._half, nearest_reach)
 
     def by_distance(self, body: Stack, X: Array) -> list[NDArray[np.intp]]:
-        """All columns together: the charges in the gap lie far from the contact, too."""
+        """Return all columns as one group, since the charges in the gap lie far from the contact, too."""
         return [np.arange(X.shape[1])]
 
     def in_fourier_space(self, k: Array) -> ComplexArray:
-        """(i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""
+        """Spectrum of (i sigma_xy, sigma_yy, D_y, B_y) at the surface at wavenumbers k [1/m]; (1, k, 4, 1)."""
         if (key := k.tobytes()) not in self._known:
             result = self._whole.in_fourier_space(k)
             phases = k * self._half
@@ -82,7 +82,7 @@ class AirTractions(Tractions):
         return {}
 
     def on_plane(self, z: ComplexArray, *, integrated: bool = False) -> ComplexArray:
-        """Hilbert transforms at points z = X + iY (1, point) above the surface, as of a contact; (4, 1, point, 1)."""
+        """Hilbert transforms of the tractions at points z = X + iY (1, point), Y >= 0; (4, 1, point, 1)."""
         result = super().on_plane(z, integrated=integrated)
         result[2:, 0, :, 0] += self.exterior_charges.transforms(z[0], integrated=integrated)
         return result
@@ -90,15 +90,15 @@ class AirTractions(Tractions):
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Tractions of a contact in air, solved again at its exact half-length."""
+    """Contact in air, solved again at its exact half-length."""
 
     state: LineSolution
-    points: Array
-    intervals: int = NEAR
+    points: Array  # X at which fields are needed; (point,)
+    intervals: int = NEAR  # Number of intervals of ``Charges``
 
     @cached_property
     def system(self) -> System:
-        """The contact's, its kernels as far as charges lie."""
+        """System of the contact, with kernels up to the farthest charges."""
         operators = self.state.operators
         wide, narrow = operators._wide, operators.system.kernel
         if wide is None:  # a half-plane's kernels are zero, up to the farthest point
@@ -114,48 +114,47 @@ class Solved:
 
     @cached_property
     def exterior_charges(self) -> Charges:
-        """Charges beside the contact."""
+        """Exterior charges of the contact."""
         operators = self.state.operators
         grid, unknowns = operators.grid, np.zeros((2, 2, operators.grid.count))
         for f, densities in zip(operators.system.fields, self.state.over_size, strict=True):
-            unknowns[:, f] = densities.reshape(-1, grid.count)  # one side is that of both
+            unknowns[:, f] = densities.reshape(-1, grid.count)  # even densities have one side
         return Charges(grid, unknowns, self.intervals)
 
     @cached_property
-    def drawn(self) -> Array:
+    def induced(self) -> Array:
         """Charge unknowns of the contact that exterior charges induce; (unknown,)."""
         basis, result = self.assembly.basis, np.zeros(self.system.unknowns(self.assembly.basis))
-        terms = self.exterior_charges.terms(basis.terms + 1)
+        terms = self.exterior_charges.induced_terms(basis.terms + 1)
         for f, start in self.system.starts(basis).items():
             result[start : start + basis.terms + 1] = terms[f]
         return result
 
-    def carried(self, X: Array) -> Array:
-        """du/dX of (y, phi, psi, x) at X that the kernels make of the charges beside the contact; (4, point)."""
+    def by_layers(self, X: Array) -> Array:
+        """Layers' part of d(u_y, phi, psi, u_x)/dX at X by the exterior charges; (4, point)."""
         operators = self.state.operators
         result = np.zeros((4, X.size))
         if operators._wide is None:
             return result
         mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
-        integrals = Densities(operators.grid, operators._wide).integrals(self.state.half, np.concatenate([X, -X]), mix)
-        right, left = integrals.reshape(2, X.size, len(self.system.fields), 4, -1)
-        for place, f in enumerate(self.system.fields):
+        both_sides = integrals(operators._wide, operators.grid, self.state.half, np.concatenate([X, -X]), mix)
+        right, left = both_sides.reshape(2, X.size, len(self.system.fields), 4, -1)
+        for row, f in enumerate(self.system.fields):
             unknowns = self.exterior_charges.unknowns[:, f]
-            result += self.state.half * (right[:, place] @ unknowns[0] + _MIRRORED * (left[:, place] @ unknowns[1])).T
+            result += self.state.half * (right[:, row] @ unknowns[0] + _MIRRORED * (left[:, row] @ unknowns[1])).T
         return result
 
     @cached_property
     def unknowns(self) -> Array:
         """Unknowns of the contact, without the induced charge; (unknown,)."""
         assembly, basis = self.assembly, self.assembly.basis
-        sources = self.carried(basis.nodes)[:3] + assembly.at_nodes[0] @ self.drawn
+        sources = self.by_layers(basis.nodes)[:3] + assembly.at_nodes[0] @ self.induced
         solutions = self.system.solve(basis, assembly.at_nodes, sources=sources[None, :, :, None])[0]
-        causes = self.state.causes
-        return np.asarray(solutions @ np.append(causes, 1.0))
+        return np.asarray(solutions @ np.append(self.state.causes, 1.0))
 
     @property
     def tractions(self) -> AirTractions:
-        """On the whole surface."""
+        """Tractions on the whole surface."""
         basis = self.assembly.basis
         pressures, charges = self.system.split(basis, self.unknowns)
         return AirTractions(
@@ -167,35 +166,35 @@ class Solved:
 def surface_fields(state: LineSolution, positions: Array) -> dict[str, Array]:
     """Fields of one case at positions X = (x - c)/h (position,), finite and never exactly +-1; (1, position) each."""
     solved, X = Solved(state, positions), positions
-    system, beyond = solved.system, np.abs(positions) > 1
-    c, whole = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns
-    smooth = solved.assembly.gradients[0] @ solved.drawn + solved.carried(X)
+    system, is_exterior = solved.system, np.abs(positions) > 1
+    c, local = system.coefficients, local_fields(solved.assembly)[0] @ solved.unknowns
+    smooth = solved.assembly.gradients[0] @ solved.induced + solved.by_layers(X)
     charges, H = np.zeros((2, 3, X.size))
-    charges[1:, beyond] = solved.exterior_charges.density(X[beyond])
-    charges[1:, ~beyond] = solved.exterior_charges.drawn(X[~beyond])
-    on_it: ComplexArray = np.asarray(X[beyond], dtype=np.complex128)
-    H[1:, beyond] = solved.exterior_charges.transforms(on_it).real  # within the contact it is zero
-    whole[:3] += charges
-    whole[3:] += smooth[1:]
-    whole[3:5] += c.compliance[1:] @ H
-    whole[5] -= c.coupling @ charges
+    charges[1:, is_exterior] = solved.exterior_charges.density(X[is_exterior])
+    charges[1:, ~is_exterior] = solved.exterior_charges.induced(X[~is_exterior])
+    z: ComplexArray = np.asarray(X[is_exterior], dtype=np.complex128)
+    H[1:, is_exterior] = solved.exterior_charges.transforms(z).real  # within the contact it is zero
+    local[:3] += charges
+    local[3:] += smooth[1:]
+    local[3:5] += c.compliance[1:] @ H
+    local[5] -= c.coupling @ charges
     for f in c.fields:
-        whole[3 + f, ~beyond] = 0.0  # an equipotential
-    return of_local(system, whole[None])
+        local[3 + f, ~is_exterior] = 0.0  # an equipotential
+    return of_local(system, local[None])
 
 
 _EDGES = np.array([1.0, -1.0])
-_BOTTOM, _FAR = 6.0, 400.0  # of h: how deep and how far from the edges a half-plane is searched
-_NOTHING = 1e-12  # of the mean pressure: a tension below it is none
+_BOTTOM, _FAR = 6.0, 400.0  # depth and distance from the edges over h within which a half-plane is searched
+_NEGLIGIBLE = 1e-12  # tension over the mean pressure that counts as none
 
 
 def fields(films: Films, permittivity: Array, positions: Array) -> dict[str, Array]:
-    """Surface fields of `solver.fields.FIELDS` at X != +-1, finite; (case, position) each."""
+    """Surface fields of ``solver.fields.FIELDS`` at X != +-1, finite; (case, position) each."""
     out = {name: np.empty((films.load.size, positions.size)) for name in FIELDS}
-    for place, state in solutions(films, permittivity):
+    for case, state in solutions(films, permittivity):
         result = surface_fields(state, positions)
         for name, values in out.items():
-            values[place] = result[name][0]
+            values[case] = result[name][0]
     return out
 
 
@@ -203,10 +202,10 @@ def inside(films: Films, permittivity: Array, x: Array, y: Array, names: tuple[s
     """Fields of ``LINEAR`` and potentials at ((x - c)/h, y/h), NaN in a rigid base; (case, field, y, x)."""
     out = np.empty((films.load.size, len(names), y.size, x.size))
     intervals = FAR if set(POTENTIALS) & set(names) else NEAR
-    for place, state in solutions(films, permittivity):
+    for case, state in solutions(films, permittivity):
         tractions, datum = Solved(state, _EDGES, intervals).tractions, state.contact.datum
         for rows, columns in in_blocks(x, y):
-            out[place, :, rows, columns] = fields_of(tractions, x[columns], y[rows], names, datum)[0]
+            out[case, :, rows, columns] = fields_of(tractions, x[columns], y[rows], names, datum)[0]
     for number, name in enumerate(names):
         if name in POTENTIALS:
             out[:, number] *= films.thickness[:, None, None]
@@ -219,23 +218,23 @@ def peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array
 
 
 def curves(films: Films, permittivity: Array, regions: Sequence[str]) -> dict[str, Array]:
-    """Sizes of the contacts, and the curves of regions that the cases have, as without air; (case, ...) each."""
+    """Sizes of the contacts, and the curves of the requested regions that the cases have; (case, ...) each."""
     return film.curves(films, regions, _tables(films, permittivity))
 
 
 def body_peaks(films: Films, permittivity: Array, names: Set[str]) -> dict[str, Array]:
     """Requested quantities of ``solver.names.PEAKS`` of half-planes, treated as films of themselves; (case,) each."""
     out = {name: np.empty(films.load.size) for name in PEAKS if name in names}
-    for place, state in solutions(films, permittivity) if out else ():
-        h, half_length = np.array([state.half]), state.half * films.thickness[place]
+    for case, state in solutions(films, permittivity) if out else ():
+        h, half_length = np.array([state.half]), state.half * films.thickness[case]
         net = of_whole(films.kind.stack, state.half, _BOTTOM, _FAR)
         tractions = _reaching(state, 1 + _FAR)
         stresses = Interior(tractions).fields(net.positions(h, net.line), -net.depths(h), LINEAR[:4])[..., 0]
         largest, depth, tension = of_whole_body(stresses, net, state.half).values()
-        is_nothing = tension < _NOTHING * films.load[place] / (2 * half_length)
-        for name, value in zip(PEAKS, (largest, depth * half_length, np.where(is_nothing, 0.0, tension)), strict=True):
+        tension = np.where(tension < _NEGLIGIBLE * films.load[case] / (2 * half_length), 0.0, tension)
+        for name, value in zip(PEAKS, (largest, depth * half_length, tension), strict=True):
             if name in out:
-                out[name][place] = value[0]
+                out[name][case] = value[0]
     return out
 
 
@@ -243,43 +242,41 @@ def body_curves(films: Films, permittivity: Array) -> dict[str, Array]:
     """Sizes of the contacts and the curves of the region ``body`` of half-planes as films; (case, ...) each."""
     X, depth = region_lines()
     result: dict[str, list[Array]] = {}
-    for place, state in solutions(films, permittivity):
-        half = np.array([state.half]) * films.thickness[place]
+    for case, state in solutions(films, permittivity):
+        half = np.array([state.half]) * films.thickness[case]
         stresses = Interior(_reaching(state, float(np.max(np.abs(X))))).fields(X[None], -depth[None], LINEAR[:4])
         panels = REGIONS["body"].panels
         by_panel = panels.by_panel(stresses[..., 0])
         below = panels.by_panel(np.broadcast_to(depth[:, None], (depth.size, X.size)))
-        curves_of_case = {"mean_pressure": films.load[[place]] / (2 * half), "half_length": half} | named(
-            by_panel, half, below
-        )
-        for name, value in curves_of_case.items():
+        sizes = {"mean_pressure": films.load[[case]] / (2 * half), "half_length": half}
+        for name, value in (sizes | named(by_panel, half, below)).items():
             result.setdefault(name, []).append(value)
     return {name: np.concatenate(values) for name, values in result.items()}
 
 
 def _reaching(state: LineSolution, farthest: float) -> AirTractions:
-    """Tractions of a contact for fields up to X of a size."""
+    """Tractions of a contact for fields up to abs(X) = ``farthest``."""
     return replace(Solved(state, _EDGES).tractions, widest=(1 + farthest) * state.half)
 
 
 def _tables(films: Films, permittivity: Array) -> film.PeakTables:
-    """Cases with the stresses below them, one at a time."""
-    for place, state in solutions(films, permittivity):
+    """Yield one case at a time, with the stresses below it."""
+    for case, state in solutions(films, permittivity):
         half = np.array([state.half])
         require_depth(half / films.kind.stack.thickness, "half-length")
         table = replace(state.contact.table, lower=state.half, upper=state.half)
-        yield np.array([place]), AirPeaks(table, state), half, state.causes[None]
+        yield np.array([case]), AirPeaks(table, state), half, state.causes[None]
 
 
 @dataclass(frozen=True, eq=False)
 class AirPeaks(PeakTable):
-    """Stresses below one contact, on the nets of its very half-length."""
+    """Stresses below one contact, on the nets of its exact half-length."""
 
     state: LineSolution
     outer: ClassVar[int] = 2  # each costs four times as many wavenumbers as the one before
 
     def _series(self, net: Net, names: tuple[str, ...]) -> Array:
-        """Stresses themselves; (1, stress, depth, x)."""
+        """Stresses of the case, since there is no series; (1, stress, depth, x)."""
         h = np.array([self.state.half])
         X = net.positions(h, net.line)
         tractions = self._near if np.max(X) <= self._reach else _reaching(self.state, float(np.max(X)))
@@ -287,7 +284,7 @@ class AirPeaks(PeakTable):
 
     @cached_property
     def _reach(self) -> float:
-        """X to which the five panels over the interface extend, the longest of a region's."""
+        """Largest X of the panels over the interface, the longest of all regions."""
         net = self.net("interface")
         return float(np.max(net.positions(np.array([self.state.half]), net.line)))
 
@@ -296,5 +293,5 @@ class AirPeaks(PeakTable):
         return _reaching(self.state, self._reach)
 
     def read(self, half_width: Array, causes: Array, series: Array) -> Array:
-        """The stresses of the one case, which are the series itself; (1, stress, depth, x), Pa."""
+        """Return ``series``, the stresses of the one case; (1, stress, depth, x), Pa."""
         return series

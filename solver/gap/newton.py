@@ -1,12 +1,7 @@
-"""Newton's iteration of contacts with air, along lines and at points, many cases at a time (theory section 10).
+"""Newton's iteration for contacts in air, along lines and at points, many cases at a time (theory section 10).
 
-Unknowns are log size, some numbers of the contact, and the densities at the nodes over their size. Equations are the
-load, the smooth edge, a charge or the potential that it makes zero, and the gap's law at the nodes,
-
-    D (profile - u_y) = eps0 phi.
-
-All of them are linear in outputs that are tabulated over log size. A case starts from a solved one next to it, whose
-factorised equations serve as long as they shrink the steps.
+Unknowns are log size (half-length or radius), the contact's other numbers, then the densities over their size.
+Equations are the load, the smooth edge, each charge or its zero potential, then the gap's law at the nodes.
 """
 
 from abc import ABC, abstractmethod
@@ -28,12 +23,10 @@ from solver.halfplane.pressing import ContactError
 
 @dataclass(frozen=True, eq=False)
 class Factored:
-    """LU factors of a system, its columns and then its rows divided by their largest entries first.
+    """LU factors of a system whose columns and then rows are divided by their largest entries."""
 
-    Charges a thousand half-lengths away move the contact by a thousand times their density, and the gap's law next to
-    the edge is divided by a gap of 1e-9: as it stands, the rounding of the ones is 1e-4 of the others.
-    """
-
+    # Distant charges move the contact by a thousand times their density, and the gap's law next to the edge is divided
+    # by a gap of 1e-9: unscaled, rounding of the large entries is 1e-4 of the small ones.
     factors: tuple[Array, NDArray[np.int32]]  # Of LAPACK's getrf, without the checks that cost more than the solution
     # Scale factors of rows and columns; (n,) each
     rows: Array
@@ -49,24 +42,22 @@ class Factored:
         return cls(dgetrf(scaled.T, overwrite_a=True)[:2], rows, columns)  # in Fortran's order: no copy
 
     def solve(self, right: Array) -> Array:
-        """The solution; right (n,) or (n, m)."""
+        """Return the solution for right sides (n,) or (n, m)."""
         result = dgetrs(*self.factors, (right.T * self.rows).T, trans=1)[0]
         return np.asarray((result.T * self.columns).T)
 
     @cached_property
-    def causes(self) -> Array:
-        """Solutions for unit right sides of the load, and of the charges that follow the second row; (n, 3)."""
-        right = np.zeros((self.columns.size, 1 + _CHARGES))
-        right[0, 0] = 1.0
-        right[_CLOSING + np.arange(_CHARGES), 1 + np.arange(_CHARGES)] = 1.0
-        return self.solve(right)
+    def load_solutions(self) -> Array:
+        """Solutions for unit right sides of the load and of each charge; (n, 3)."""
+        return self.solve(np.eye(self.columns.size)[:, _LOAD_ROWS])
 
 
-_CLOSING, _CHARGES = 2, 2  # first row of the charges, behind load and smooth edge, and their largest number
+_FIRST_CHARGE = 2  # row of the first charge, behind load and smooth edge
+_LOAD_ROWS = [0, _FIRST_CHARGE, _FIRST_CHARGE + 1]  # of the load and of two charges
 
 
 def solved(matrix: Array, right: Array) -> Array:
-    """The solution of one system (:class:`Factored`), refined once: pivots of rows of one size may be poor ones."""
+    """Solve one system by :class:`Factored`, refined once, since pivots among rows of equal size may be poor."""
     factored = Factored.of(matrix)
     result = factored.solve(right)
     return result + factored.solve(right - matrix @ result)
@@ -81,28 +72,28 @@ class Outputs:
     clipped: bool = False  # Whether sizes beyond the interval have the outputs of its end
 
     def at(self, log_size: Array) -> "Reading":
-        """Outputs at some sizes."""
+        """Outputs at log sizes (case,)."""
         if self.interval is None:
             return Reading(self.values, np.stack([np.ones((log_size.size, 1)), np.zeros((log_size.size, 1))]))
         return Reading(self.values, self.interval.polynomials(log_size, clipped=self.clipped) @ self._series)
 
     @cached_property
     def _series(self) -> Array:
-        """Matrices from values at the points to the series of the function and of its derivative; (2, n, point)."""
+        """Matrices from values at the points to Chebyshev series of function and derivative; (2, n, point)."""
         assert self.interval is not None
         series = coefficients(np.eye(self.interval.count))
         return np.stack([series, self.interval.derived(series)])
 
 
 class SplitOutputs(NamedTuple):
-    """Outputs that the equations of a table's contacts need, and the others."""
+    """Outputs that the equations of a table's contacts need, and outputs that are only reported."""
 
     solving: Outputs
-    others: Outputs
+    reported: Outputs
 
     @classmethod
     def of(cls, values: Array, solving: int, interval: Interval | None, *, clipped: bool = False) -> Self:
-        """Split values (point, row, column) behind the first ``solving`` rows."""
+        """Split values (point, row, column) after the first ``solving`` rows."""
         parts = (np.ascontiguousarray(part) for part in (values[:, :solving], values[:, solving:]))
         return cls(*(Outputs(part, interval, clipped) for part in parts))
 
@@ -112,7 +103,7 @@ class Reading:
     """Outputs at the sizes of some cases."""
 
     values: Array  # At the points of the interval; (point, row, column)
-    weights: Array  # To the values and to their derivatives in log size; (2, case, point)
+    weights: Array  # Of the points in values and in their derivatives by log size; (2, case, point)
 
     @property
     def matrices(self) -> Array:
@@ -120,7 +111,7 @@ class Reading:
         return np.tensordot(self.weights[0], self.values, 1)
 
     def times(self, columns: Array, rows: int | None = None) -> Array:
-        """(First) outputs of columns of sizes (case, column, k), and derivatives in log size; (2, case, row, k)."""
+        """First ``rows`` outputs of ``columns`` (case, column, k), and derivatives by log size; (2, case, row, k)."""
         values, (cases, count, k) = self.values[:, :rows], columns.shape
         flat = values.reshape(-1, count) @ np.moveaxis(columns, 1, 0).reshape(count, -1)
         products = flat.reshape(*values.shape[:2], cases, k)
@@ -131,27 +122,27 @@ class Reading:
 class Frame:
     """Properties that contacts of one table share."""
 
-    outputs: Outputs  # Some of the contact, then u_y and the potentials at the nodes less those at the edge
+    outputs: Outputs  # Those of the contact, then exterior u_y and potentials less those at the edge
     heads: int  # Number of outputs of the contact
     fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
-    places: Array  # X or r/a of the nodes; (n,)
+    positions: Array  # X or r/a of the nodes; (n,)
     sides: int  # Number of sides on which the nodes lie
-    extents: int  # Number of unknowns, first ones, whose steps are bounded; the first start keeps them
-    rounds: int  # Number of linear solutions that the first start takes
+    extents: int  # Number of leading unknowns that have bounded steps and stay fixed in ``started``
+    rounds: int  # Number of linear solutions in ``started``
     load: str  # "load" or "force"
-    coordinate: str  # Name of the places
+    coordinate: str  # Name of the positions
 
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """Numbers of a contact, and their derivatives in its outputs and in the unknowns before the densities."""
+    """Numbers of a contact, and their derivatives by its outputs and by the unknowns before the densities."""
 
     values: Array  # (case, number)
     by_first: Array  # (case, number, unknown)
-    by_outputs: Array | None = None  # (case, number, output); None: independent of these
+    by_outputs: Array | None = None  # (case, number, output); None: independent of the outputs
 
     def rates(self, outputs: Array, first: Array) -> Array:
-        """Derivatives along directions, from those of the outputs (case, output, k) and of the first unknowns."""
+        """Derivatives (case, number, k) from those of the outputs (case, output, k) and of the first unknowns."""
         result = self.by_first @ first
         return result if self.by_outputs is None else result + self.by_outputs @ outputs
 
@@ -160,12 +151,12 @@ class Linear:
 class Terms:
     """Terms of the equations."""
 
-    head: Linear  # Load and smooth edge, then the charges less the prescribed ones: zero where it is a contact
-    profile: Linear  # Gap at the nodes where the surface is flat
-    reference: Array  # Sizes of the gap, which scale its law; (case, n)
+    head: Linear  # Residuals of load and smooth edge, then of the prescribed charges
+    profile: Linear  # Gap between the profile and a flat surface at the nodes
+    reference: Array  # Reference gap, which scales the gap's law; (case, n)
     conductance: Array  # Density over its size per potential, times gap over reference; (case, field, n)
     growth: Array  # d log conductance / d log size; (case, n)
-    sizes: Array  # Scales of the unknowns, over which steps are measured; (case, unknown)
+    sizes: Array  # Scales of the unknowns, which make steps relative; (case, unknown)
 
 
 _State = TypeVar("_State", bound="GapStates")
@@ -177,11 +168,11 @@ class GapStates(ABC):
 
     frame: Frame
     unknowns: Array  # Log size, numbers of the contact, densities over their size by field; (case, unknown)
-    held: tuple[bool, ...]  # Whether the potential of each charge is zero, and its charge follows
+    held: tuple[bool, ...]  # Whether each potential is held at zero, so that the charge follows
 
     @abstractmethod
     def part(self, cases: Indices) -> Self:
-        """Some of the cases."""
+        """States of some of the cases."""
 
     @property
     @abstractmethod
@@ -201,17 +192,17 @@ class GapStates(ABC):
     @property
     @abstractmethod
     def by_load(self) -> tuple[Array, Array]:
-        """Right sides for unit loads over unit rows, (case, 1 + charge), and the datum's part of the response."""
+        """Right sides of unit loads, and the datum's part of the response to the load; (case, 1 + charge) each."""
 
     # -- equations -----------------------------------------------------------------------------------------------------
-    def moved(self, unknowns: Array) -> Self:
-        """The same contacts at other unknowns."""
+    def with_unknowns(self, unknowns: Array) -> Self:
+        """Return the contacts at other unknowns."""
         return replace(self, unknowns=unknowns)
 
     @property
     def first(self) -> int:
         """Number of unknowns before the densities."""
-        return int(self.unknowns.shape[1]) - len(self.frame.fields) * self.frame.places.size
+        return int(self.unknowns.shape[1]) - len(self.frame.fields) * self.frame.positions.size
 
     @property
     def over_size(self) -> Array:
@@ -229,7 +220,7 @@ class GapStates(ABC):
 
     @cached_property
     def _rows(self) -> Array:
-        """Outputs and their derivatives in log size; (2, case, row)."""
+        """Outputs and their derivatives by log size; (2, case, row)."""
         return self._reading.times(self.columns[..., None])[..., 0]
 
     @property
@@ -238,7 +229,7 @@ class GapStates(ABC):
         return np.asarray(self._rows[0])
 
     def _rates(self, directions: Array | None, rows: int | None = None) -> Array:
-        """Derivatives of the outputs, or of the first ones, along directions or in the unknowns; (case, row, k)."""
+        """Derivatives of the (first ``rows``) outputs along directions, None: by the unknowns; (case, row, k)."""
         first, causes = self.first, self.causes.by_first
         by_size: Array | float = self._rows[1][:, :rows, None]
         if directions is None:
@@ -248,12 +239,12 @@ class GapStates(ABC):
             result[..., first:] = matrices[..., count:]
             result[..., :1] += by_size
             return result
-        moved = np.concatenate([causes @ directions[:, :first], directions[:, first:]], 1)
-        return np.asarray(self._reading.times(moved, rows)[0] + by_size * directions[:, :1])
+        columns = np.concatenate([causes @ directions[:, :first], directions[:, first:]], 1)
+        return np.asarray(self._reading.times(columns, rows)[0] + by_size * directions[:, :1])
 
     def _exterior(self, rows: Array) -> Array:
-        """u_y and the potentials beside the contact, of rows (case, row, ...); (case, 1 + field, n, ...)."""
-        shape = 1 + len(self.frame.fields), self.frame.places.size
+        """Select exterior u_y and potentials from rows (case, row, ...); (case, 1 + field, n, ...)."""
+        shape = 1 + len(self.frame.fields), self.frame.positions.size
         return rows[:, self.frame.heads :].reshape(len(rows), *shape, *rows.shape[2:])
 
     @cached_property
@@ -263,23 +254,23 @@ class GapStates(ABC):
 
     @property
     def is_open(self) -> BoolArray:
-        """Return True for cases whose gap is positive at every node; (case,)."""
+        """Mark cases whose gap is positive at every node; (case,)."""
         return np.asarray(np.all(self.gap > 0, 1))
 
     @cached_property
     def residual(self) -> Array:
-        """Zero where it is a contact: load, smooth edge, charges or potentials, and the gap's law; (case, unknown)."""
+        """Residual of load, smooth edge, charges or held potentials, and the gap's law; (case, unknown)."""
         terms, potentials = self.terms, self._exterior(self._rows[0])[:, 1:]
         law = self.over_size * (self.gap / terms.reference)[:, None] - terms.conductance * potentials
         head = np.array(terms.head.values)
         for charge in np.flatnonzero(self.held):
-            head[:, _CLOSING + charge] = self.response.values[:, 1 + charge]
+            head[:, _FIRST_CHARGE + charge] = self.response.values[:, 1 + charge]
         return np.concatenate([head, law.reshape(len(law), -1)], 1)
 
     def derivative(self, directions: Array | None = None, *, fixed: bool = False) -> Array:
-        """Derivative of the residual where charges are given, along directions or in the unknowns; (case, unknown, k).
+        """Derivative of the residual with prescribed charges along directions, None: by the unknowns.
 
-        directions: (case, unknown, k); fixed: where the gap does not move, and potentials are held where they are.
+        Directions and result are (case, unknown, k); ``fixed``: the gap is fixed, and held potentials replace charges.
         """
         rates, first, count = self._rates(directions), self.first, self.unknowns.shape[1]
         terms, heads = self.terms, rates[:, : self.frame.heads]
@@ -290,22 +281,22 @@ class GapStates(ABC):
         law = result[:, first:].reshape(len(rates), potentials.shape[1], -1, rates.shape[2])
         np.multiply(exterior[:, 1:], -terms.conductance[..., None], out=law)
         by_size = (terms.conductance * terms.growth[:, None] * potentials)[..., None]
-        share = self.gap / terms.reference
+        relative_gap = self.gap / terms.reference
         if directions is None:
             law[..., :1] -= by_size
             diagonal = np.arange(first, count)
-            result[:, diagonal, diagonal] += np.tile(share, potentials.shape[1])
+            result[:, diagonal, diagonal] += np.tile(relative_gap, potentials.shape[1])
         else:
             law -= by_size * directions[:, None, None, 0]
-            law += share[:, None, :, None] * directions[:, first:].reshape(law.shape)
+            law += relative_gap[:, None, :, None] * directions[:, first:].reshape(law.shape)
         if fixed:
             by_potential = self.response.rates(heads, before)
             for charge in np.flatnonzero(self.held):
-                result[:, _CLOSING + charge] = by_potential[:, 1 + charge]
+                result[:, _FIRST_CHARGE + charge] = by_potential[:, 1 + charge]
             return result
-        gap = terms.profile.rates(heads, before) - exterior[:, 0]
-        for place in range(law.shape[1]):
-            law[:, place] += (self.over_size[:, place] / terms.reference)[..., None] * gap
+        gap_rates = terms.profile.rates(heads, before) - exterior[:, 0]
+        for row in range(law.shape[1]):
+            law[:, row] += (self.over_size[:, row] / terms.reference)[..., None] * gap_rates
         return result
 
     def response_rates(self, directions: Array) -> Array:
@@ -313,88 +304,84 @@ class GapStates(ABC):
         return self.response.rates(self._rates(directions, self.frame.heads), directions[:, : self.first])
 
     def steps(self, chords: Sequence[Factored]) -> Array:
-        """Newton's steps back; rows of held potentials are those of the states themselves; (case, unknown)."""
+        """Newton's steps, to be subtracted; held potentials have the derivatives of the states; (case, unknown)."""
         right, held = np.array(self.residual), np.flatnonzero(self.held)
-        potentials = right[:, _CLOSING + held]
-        right[:, _CLOSING + held] = 0.0
+        potentials = right[:, _FIRST_CHARGE + held]
+        right[:, _FIRST_CHARGE + held] = 0.0
         step = _solved(chords, right[..., None])[..., 0]
         if held.size:
-            by_charge = np.stack([chord.causes[:, 1 + held] for chord in chords])
+            by_charge = np.stack([chord.load_solutions[:, 1 + held] for chord in chords])
             rates = self.response_rates(np.concatenate([by_charge, step[..., None]], 2))[:, 1 + held]
             charges = np.linalg.solve(rates[..., :-1], (potentials - rates[..., -1])[..., None])
             step += (by_charge @ charges)[..., 0]
         return step
 
     def chords(self) -> list[Factored]:
-        """The factorised equations of every case."""
-        count, cases = at_once(self), np.arange(len(self.unknowns))
+        """Factorised equations of every case."""
+        count, cases = _at_once(self), np.arange(len(self.unknowns))
         blocks = [cases[start : start + count] for start in range(0, cases.size, count)]
         parts = [self] if len(blocks) == 1 else [self.part(block) for block in blocks]
         return [Factored.of(matrix) for part in parts for matrix in part.derivative()]
 
     @property
     def started(self) -> Self:
-        """The contacts without air, with the densities that their potentials make at their gap."""
+        """Contacts of the size without air, with the densities that their potentials cause in their gap."""
         states, e = self, self.frame.extents
         for _ in range(self.frame.rounds):
             matrices = states.derivative(fixed=True)[:, e:, e:]
             steps = [solved(*pair) for pair in zip(matrices, states.residual[:, e:], strict=True)]
             unknowns = np.array(states.unknowns)
             unknowns[:, e:] -= steps
-            states = states.moved(unknowns)
+            states = states.with_unknowns(unknowns)
         return states
 
     @property
     def reopened(self) -> Self:
-        """States with densities that open a gap which is closed next to an edge.
-
-        A density that draws the gap shut solves the gap's law too, with a potential of the other sign: Newton's
-        iteration may come to it, and from here comes to the contact whose gap is open. Densities from the edge up to
-        the first open place become those of that place.
-        """
-        shape = len(self.unknowns), self.frame.sides, self.frame.places.size // self.frame.sides
+        """States whose densities up to the first open node are those of that node, from which the gap opens."""
+        # a density that closes the gap next to an edge solves the gap's law too, with a potential of the other sign
+        shape = len(self.unknowns), self.frame.sides, self.frame.positions.size // self.frame.sides
         gaps, unknowns = self.gap.reshape(shape), np.array(self.unknowns)
         densities = unknowns[:, self.first :].reshape(shape[0], -1, *shape[1:])
         for case, side in np.ndindex(shape[:2]):
             closed = np.flatnonzero(gaps[case, side] <= 0)
             if closed.size:
-                place = min(int(closed[-1]) + 1, shape[2] - 1)
-                densities[case, :, side, :place] = densities[case, :, side, place, None]
-        return self.moved(np.concatenate([unknowns[:, : self.first], densities.reshape(shape[0], -1)], 1))
+                node = min(int(closed[-1]) + 1, shape[2] - 1)
+                densities[case, :, side, :node] = densities[case, :, side, node, None]
+        return self.with_unknowns(np.concatenate([unknowns[:, : self.first], densities.reshape(shape[0], -1)], 1))
 
 
 _NEWTON_STEPS = 60
-_NEWTON_CLOSE, _NEXT_CLOSE = 1e-11, 1e-12  # a step, and the next one if steps shrink as they did
+_CLOSE, _NEXT_CLOSE = 1e-11, 1e-12  # relative step that converges; the next step, extrapolated, that does
 _STALLED = 1e-7  # steps below it that no longer shrink are rounding
-_LONGEST = 0.3  # of the extent's unknowns in a step
-_REOPENED = 3  # times at most that a closed gap is opened
-_SLOW, _SLOW_HELD = 0.02, 0.1  # of a step that the next one is below, or its equations are those of another state
-_ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would make them no faster
+_LONGEST = 0.3  # largest step of the extents
+_REOPENINGS = 3  # largest number of times that a closed gap is reopened
+_SLOW, _SLOW_HELD = 0.02, 0.1  # ratio of successive steps above which the equations are factorised again
+_ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would not help
 _NEAR = 0.7  # distance in logarithms of the parameters within which a solved case is a start
-_LARGEST, _LARGEST_CHORDS = 4e7, 1e8  # bytes of matrices, and of factorised equations, at a time
-_APART = 8  # cases of an order to the first ones, from which the others start
+_MATRIX_BYTES, _CHORD_BYTES = 4e7, 1e8  # of matrices, and of factorised equations, at a time
+_EVERY = 8  # every eighth case in order of size is solved first, the reported start from these
 
 
 @dataclass(frozen=True, eq=False)
 class Settled(Generic[_State]):
-    """Solved contacts, with factorised equations of states next to them."""
+    """Results of the iteration, with factorised equations of states near them."""
 
     states: _State
     chords: list[Factored]
     converged: BoolArray  # (case,)
 
     def part(self, cases: Indices) -> "Settled[_State]":
-        """Some of the cases."""
+        """Results of some of the cases."""
         chords = [self.chords[case] for case in cases.tolist()]
         return Settled(self.states.part(cases), chords, self.converged[cases])
 
     @cached_property
     def valid(self) -> BoolArray:
-        """Return True for cases that converged to an open gap; (case,)."""
+        """Mark cases that converged to an open gap; (case,)."""
         return self.converged & self.states.is_open
 
     def require(self) -> Self:
-        """Refuse contacts that are not found, and gaps that close."""
+        """Return the results, or refuse cases that did not converge or whose gap closes."""
         states, frame = self.states, self.states.frame
         for case in np.flatnonzero(~self.valid).tolist():
             if not self.converged[case]:
@@ -403,10 +390,10 @@ class Settled(Generic[_State]):
                 )
             names = [name for name, zero in zip(("voltage", "magnetic potential"), states.held, strict=False) if zero]
             held = f", where its {' and '.join(names)} is 0" if names else ""
-            place = frame.places[int(np.argmin(states.gap[case] / states.terms.reference[case]))]
+            position = frame.positions[int(np.argmin(states.gap[case] / states.terms.reference[case]))]
             raise ContactError(
-                f"surroundings: the punch touches the surface beside the contact, at {frame.coordinate} = {place:.3g}"
-                f"{held}: the gap is negative there; must be insulated"
+                f"surroundings: the punch touches the surface beside the contact, at {frame.coordinate} = "
+                f"{position:.3g}{held}: the gap is negative there; must be insulated"
             )
         return self
 
@@ -414,41 +401,39 @@ class Settled(Generic[_State]):
     def _changes(self) -> Array:
         """Changes of the unknowns for unit loads, force then charges; (case, unknown, 1 + charge)."""
         states, count = self.states, 1 + len(self.states.held)
-        right = np.zeros((states.unknowns.shape[1], count))
-        right[0, 0] = 1.0
-        right[_CLOSING + np.arange(count - 1), 1 + np.arange(count - 1)] = 1.0
+        right = np.eye(states.unknowns.shape[1])[:, _LOAD_ROWS[:count]]
         chords = states.chords()
-        result = np.stack([chord.causes[:, :count] for chord in chords])
-        result += _solved(chords, right - states.derivative(result))  # pivots of rows of one size may be poor ones
+        result = np.stack([chord.load_solutions[:, :count] for chord in chords])
+        result += _solved(chords, right - states.derivative(result))  # refined once, as in :func:`solved`
         return result * states.by_load[0][:, None]
 
     @cached_property
     def tangents(self) -> Array:
-        """d response / d (load, charges) with moving edges; (case, 1 + charge, 1 + charge)."""
+        """Return d response / d (load, charges) with moving edges; (case, 1 + charge, 1 + charge)."""
         result = self.states.response_rates(self._changes)
         result[..., 0] += self.states.by_load[1]
         return result
 
     @cached_property
     def at_fixed_contact(self) -> Array:
-        """d response / d charges at a fixed size, whose load and gap follow; (case, 1 + charge, charge)."""
+        """Return d response / d charges at a fixed size, where load and gap follow; (case, 1 + charge, charge)."""
         by_size = self._changes[:, :1]
         return np.asarray(self.tangents[..., 1:] - self.tangents[..., :1] * (by_size[..., 1:] / by_size[..., :1]))
 
 
-def at_once(states: GapStates) -> int:
-    """Number of cases whose matrices are held at a time."""
+def _at_once(states: GapStates) -> int:
+    """Number of cases whose matrices are in memory at a time."""
     _, rows, columns = states.frame.outputs.values.shape
-    return max(int(_LARGEST / (8 * (2 * rows * columns + 2 * states.unknowns.shape[1] ** 2))), 1)
+    return max(int(_MATRIX_BYTES / (8 * (2 * rows * columns + 2 * states.unknowns.shape[1] ** 2))), 1)
 
 
 def together(states: GapStates) -> int:
     """Number of cases that are solved together, by the size of their factorised equations."""
-    return max(int(_LARGEST_CHORDS / (8 * states.unknowns.shape[1] ** 2)), 1)
+    return max(int(_CHORD_BYTES / (8 * states.unknowns.shape[1] ** 2)), 1)
 
 
 def _solved(chords: Sequence[Factored], right: Array) -> Array:
-    """Solutions of the cases' equations, those that share theirs at once; (case, unknown, k)."""
+    """Solutions of the cases' equations, (case, unknown, k), with one call for cases that share theirs."""
     result, members = np.empty_like(right), dict[int, list[int]]()
     for case, chord in enumerate(chords):
         members.setdefault(id(chord), []).append(case)
@@ -460,31 +445,31 @@ def _solved(chords: Sequence[Factored], right: Array) -> Array:
 
 
 def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _SLOW) -> Settled[_State]:
-    """Limits of Newton's iteration, their gaps open or not.
+    """Iterate by Newton's method from ``states``, whether the gaps open or close.
 
-    starts: factorised equations of states next to each case; None: its own; slow: share of a step that the next one is
-    below, or the equations are made anew.
+    starts: factorised equations of a state near each case, None: of the case itself; slow: ratio of successive steps
+    above which the equations are factorised again.
     """
     count, unknowns, chords = len(starts), np.array(states.unknowns), list(starts)
     active, part = np.arange(count), states
     converged, last = np.zeros(count, dtype=bool), np.full(count, np.inf)
     for _ in range(_NEWTON_STEPS):
-        now, before = part.moved(unknowns[active]), last[active]
+        current, before = part.with_unknowns(unknowns[active]), last[active]
         fresh = np.array([chords[case] is None for case in active.tolist()])
-        _renew(chords, active, now, np.flatnonzero(fresh))
-        change = now.steps(_of(chords, active))
-        size = np.max(np.abs(change) / now.terms.sizes, 1)
+        _renew(chords, active, current, np.flatnonzero(fresh))
+        change = current.steps(_known(chords, active))
+        size = np.max(np.abs(change) / current.terms.sizes, 1)
         stale = np.flatnonzero(~fresh & ~(size < slow * before) & ~(before < _ROUNDED) & np.isfinite(size))
         if stale.size:
-            others = now if stale.size == active.size else now.part(stale)
-            _renew(chords, active[stale], others, np.arange(stale.size))
-            change[stale] = others.steps(_of(chords, active[stale]))
+            slow_states = current if stale.size == active.size else current.part(stale)
+            _renew(chords, active[stale], slow_states, np.arange(stale.size))
+            change[stale] = slow_states.steps(_known(chords, active[stale]))
         change /= np.maximum(1.0, np.max(np.abs(change[:, : states.frame.extents]), 1) / _LONGEST)[:, None]
-        size = np.max(np.abs(change) / now.terms.sizes, 1)
+        size = np.max(np.abs(change) / current.terms.sizes, 1)
         unknowns[active] -= change
         last[active] = size
-        close = (size < _NEWTON_CLOSE) | ((size < _STALLED) & (size > before / 2))
-        # steps of one chord shrink by one factor
+        close = (size < _CLOSE) | ((size < _STALLED) & (size > before / 2))
+        # steps by the same equations shrink by a constant factor
         close |= np.isfinite(before) & (size**2 < _NEXT_CLOSE * before)
         converged[active] |= close
         running = np.flatnonzero(~converged[active] & np.isfinite(size))
@@ -493,35 +478,36 @@ def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _S
         if running.size < active.size:
             active, part = active[running], part.part(running)
     final = part if active.size == count else states
-    return Settled(final.moved(unknowns), _of(chords, np.arange(count)), converged)
+    return Settled(final.with_unknowns(unknowns), _known(chords, np.arange(count)), converged)
 
 
-def _of(chords: Sequence[Factored | None], cases: Indices) -> list[Factored]:
+def _known(chords: Sequence[Factored | None], cases: Indices) -> list[Factored]:
     return [chord for chord in (chords[case] for case in cases.tolist()) if chord is not None]
 
 
-def _renew(chords: list[Factored | None], cases: Indices, states: GapStates, places: Indices) -> None:
-    """Factorise the equations of some states."""
-    if places.size:
-        part = states if places.size == len(states.unknowns) else states.part(places)
-        for case, chord in zip(cases[places].tolist(), part.chords(), strict=True):
+def _renew(chords: list[Factored | None], cases: Indices, states: GapStates, members: Indices) -> None:
+    """Factorise the equations of some members of ``states``, which belong to ``cases``, into ``chords``."""
+    if members.size:
+        part = states if members.size == len(states.unknowns) else states.part(members)
+        for case, chord in zip(cases[members].tolist(), part.chords(), strict=True):
             chords[case] = chord
 
 
 def continued(states: _State, near: Settled[_State]) -> Settled[_State]:
-    """Solutions that start from solved contacts, or from those without air where that leads to none."""
-    return _with(iterated(states.moved(near.states.unknowns), near.chords, _SLOW_HELD), states)
+    """Solve ``states`` from solved contacts, and from contacts without air where that fails."""
+    return _retried(iterated(states.with_unknowns(near.states.unknowns), near.chords, _SLOW_HELD), states)
 
 
-def _with(result: Settled[_State], states: _State) -> Settled[_State]:
-    """The result, its cases that are not valid solved from the contacts without air on."""
+def _retried(result: Settled[_State], states: _State) -> Settled[_State]:
+    """Solve the invalid cases of ``result`` again from ``states``, contacts without air."""
     failed = np.flatnonzero(~result.valid)
-    return _replaced(result, failed, _from_first(states.part(failed))) if failed.size else result
+    return _replaced(result, failed, _from_airless(states.part(failed))) if failed.size else result
 
 
-def _from_first(states: _State) -> Settled[_State]:
+def _from_airless(states: _State) -> Settled[_State]:
+    """Solve from ``states``, contacts without air, and reopen gaps that close."""
     result = iterated(states.started, [None] * len(states.unknowns))
-    for _ in range(_REOPENED):
+    for _ in range(_REOPENINGS):
         closed = np.flatnonzero(result.converged & ~result.valid)
         if not closed.size:
             break
@@ -530,22 +516,22 @@ def _from_first(states: _State) -> Settled[_State]:
     return result
 
 
-def _replaced(result: Settled[_State], cases: Indices, others: Settled[_State]) -> Settled[_State]:
+def _replaced(result: Settled[_State], cases: Indices, replacement: Settled[_State]) -> Settled[_State]:
     unknowns, chords, converged = np.array(result.states.unknowns), list(result.chords), np.array(result.converged)
-    unknowns[cases], converged[cases] = others.states.unknowns, others.converged
-    for case, chord in zip(cases.tolist(), others.chords, strict=True):
+    unknowns[cases], converged[cases] = replacement.states.unknowns, replacement.converged
+    for case, chord in zip(cases.tolist(), replacement.chords, strict=True):
         chords[case] = chord
-    return Settled(result.states.moved(unknowns), chords, converged)
+    return Settled(result.states.with_unknowns(unknowns), chords, converged)
 
 
 def settled(states: _State, parameters: Array) -> Settled[_State]:
-    """Solutions of contacts that start from those without air, or from a solved case next to it.
+    """Solve contacts from those without air, ``states``, or from a solved case with similar parameters.
 
-    parameters: (case, parameter), logarithms of what the cases differ in, the size first.
+    parameters: (case, parameter), logarithms of the cases' parameters, the size first.
     """
     count = len(parameters)
     if count == 1:
-        return _from_first(states)
+        return _from_airless(states)
     unknowns, converged = np.array(states.unknowns), np.zeros(count, dtype=bool)
     chords: list[Factored | None] = [None] * count
     valid = np.zeros(count, dtype=bool)
@@ -556,7 +542,7 @@ def settled(states: _State, parameters: Array) -> Settled[_State]:
             chords[case] = chord
 
     order = np.argsort(parameters[:, 0], kind="stable")
-    is_first = np.arange(count) % _APART == 0
+    is_first = np.arange(count) % _EVERY == 0
     for cases in (order[is_first], order[~is_first]):
         part, known = states.part(cases), np.flatnonzero(valid)
         parents = np.full(cases.size, -1)
@@ -567,8 +553,8 @@ def settled(states: _State, parameters: Array) -> Settled[_State]:
         near, far = np.flatnonzero(parents >= 0), np.flatnonzero(parents < 0)
         if near.size:
             start = part.part(near)
-            result = _with(iterated(start.moved(unknowns[parents[near]]), _of(chords, parents[near])), start)
-            put(cases[near], result)
+            result = iterated(start.with_unknowns(unknowns[parents[near]]), _known(chords, parents[near]))
+            put(cases[near], _retried(result, start))
         if far.size:
-            put(cases[far], _from_first(part.part(far)))
-    return Settled(states.moved(unknowns), _of(chords, np.arange(count)), converged)
+            put(cases[far], _from_airless(part.part(far)))
+    return Settled(states.with_unknowns(unknowns), _known(chords, np.arange(count)), converged)

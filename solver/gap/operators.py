@@ -1,8 +1,7 @@
-"""Effect of exterior charges on a contact and on the exterior surface, at given half-lengths (theory section 10).
+"""Linear operators of line contacts in air and of their exterior charges, tabulated over log h (theory section 10).
 
-Everything is linear in the causes of the contact (:mod:`solver.line.extent`) and in the densities at the nodes of both
-sides: the smooth kernels of a stack make a right side of them for the contact's own system, the half-plane's part is
-closed (:mod:`solver.gap.grid`). Powers of the half-length are taken out; units are those of the stack.
+The half-plane's part is closed (:mod:`solver.gap.grid`); the layers' smooth kernels give the contact's system a right
+side. Powers of the half-length are taken out; units are those of the stack.
 """
 
 from dataclasses import dataclass
@@ -26,20 +25,20 @@ from solver.line.system import System
 from solver.line.table import Table, batches
 from solver.stack.reflection import low
 
-_REACH = 8e4  # widths of the strip at which kernels are cut: beyond, they are their logarithm
+_REACH = 8e4  # strip widths to which kernels are tabulated: beyond, they are their logarithm
 _SIGNS = np.array([-1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0])  # of mirror images: gradients of (y, phi, psi) are odd
-_NOTHING = 1e-13  # of the compliance: kernels of a stack that is a half-plane
-#: Rows: load, balance, displacements, those beside the contact; then edge stresses and pressures over their weight.
+_NEGLIGIBLE = 1e-13  # kernel over the compliance of a stack that is a half-plane
+#: Rows: load, balance, displacements, exterior displacements; then edge stresses and pressures over their weight.
 LOAD, BALANCE, DISPLACEMENT = 0, 1, slice(2, 5)
 SOLVING: int = DISPLACEMENT.stop
-_EDGE = slice(SOLVING, SOLVING + 2)  # before those beside the contact are put in front of them
-#: Angles of the places X = cos(angle) within the contact at which densities are output: panels, graded to both edges.
+_EDGE = slice(SOLVING, SOLVING + 2)  # among the contact's rows alone
+#: Angles within the contact, X = cos(angle), at which densities are output: panels graded to both edges.
 _ENDS = (0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
-WITHIN = 8  # of them a panel
+WITHIN = 8  # nodes of a panel
 _HALF = gauss(np.array([*_ENDS, np.pi / 2]), WITHIN)[0]
 ANGLES = np.concatenate([_HALF, np.pi - _HALF])
-_FROM = [outputs.LOAD, outputs.BALANCE, *range(*outputs.DISPLACEMENT.indices(99)),
-         *range(*outputs.EDGE_STRESS.indices(99)), *range(*outputs.PRESSURE.indices(999))]  # fmt: skip
+_CONTACT_ROWS = [outputs.LOAD, outputs.BALANCE, *range(*outputs.DISPLACEMENT.indices(99)),
+                 *range(*outputs.EDGE_STRESS.indices(99)), *range(*outputs.PRESSURE.indices(999))]  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +47,7 @@ class Operators:
 
     system: System
     grid: Grid
-    even: bool
+    even: bool  # Whether both sides have the same densities
 
     @property
     def sides(self) -> int:
@@ -63,18 +62,18 @@ class Operators:
     @property
     def rows(self) -> int:
         """Number of outputs."""
-        return self.solving + len(_FROM) - SOLVING + ANGLES.size * len(self.system.fields)
+        return self.solving + len(_CONTACT_ROWS) - SOLVING + ANGLES.size * len(self.system.fields)
 
     @property
     def solving(self) -> int:
-        """Number of outputs that the equations need, the first ones."""
+        """Number of leading outputs that the equations need."""
         return SOLVING + self.density_nodes * (1 + len(self.system.fields))
 
     @cached_property
     def _wide(self) -> Kernel | None:
-        """Kernels as far as charges lie; none of a stack that is a half-plane."""
+        """Kernels up to the farthest charges; None for a stack that is a half-plane."""
         stack, narrow = self.system.kernel.stack, self.system.kernel
-        if np.max(np.abs(narrow.positive.series)) < _NOTHING:
+        if np.max(np.abs(narrow.positive.series)) < _NEGLIGIBLE:
             return None
         return kernel(stack, float(max(_REACH * narrow.width, narrow.reach)), by_distance=True)
 
@@ -87,7 +86,7 @@ class Operators:
         return result
 
     def folded(self, values: Array) -> Array:
-        """Fold columns (..., fields and both sides) to those of the unknown densities."""
+        """Sum columns of densities on both sides, (..., field side n), to those of the unknown densities."""
         sides = values.reshape(*values.shape[:-1], -1, 2, self.grid.count)
         return sides.sum(-2).reshape(*values.shape[:-1], -1) if self.even else values
 
@@ -110,19 +109,13 @@ class _Assembled:
 
     @cached_property
     def _induced(self) -> Array:
-        """Terms T_n / sqrt(1 - X^2) that charges of the right and of the left side induce; (M + 1, 2 n)."""
+        """Coefficients of T_n / sqrt(1 - X^2) in the charge that the right and left sides induce; (M + 1, 2 n)."""
         right = self.operators.grid.induced_terms(self.basis.terms + 1)
         return np.concatenate([right, (-1.0) ** np.arange(len(right))[:, None] * right], 1)
 
-    @cached_property
-    def _positions(self) -> Array:
-        """X of the nodes on the right, then on the left, then of both edges; (2 n + 2,)."""
-        X = self.operators.grid.distance
-        return np.concatenate([X, -X, [1.0, -1.0]])
-
     @property
     def outputs(self) -> Array:
-        """(half, row, column)."""
+        """Outputs at every half-length; (half, row, column)."""
         operators, system, assembly, basis = self.operators, self.operators.system, self._assembly, self.basis
         direct = [self._direct(number) for number in range(self.half_lengths.size)]
         gradients, displacement, edge, outside = (np.stack(parts) for parts in zip(*direct, strict=True))
@@ -132,8 +125,8 @@ class _Assembled:
         at_edges = np.zeros((2, 2 * count))
         at_edges[0, :count] = at_edges[1, count:] = grid.edge
         stiffness = float(half.in_plane_stiffness) * scale[0] ** 2
-        for place, (f, start) in enumerate(system.starts(basis).items()):
-            part, block = slice(2 * place * count, 2 * (place + 1) * count), slice(start, start + basis.terms + 1)
+        for row, (f, start) in enumerate(system.starts(basis).items()):
+            part, block = slice(2 * row * count, 2 * (row + 1) * count), slice(start, start + basis.terms + 1)
             gradients[..., part] += assembly.at_nodes[..., block] @ self._induced
             of_contact = assembly.displacements[..., block] @ self._induced
             displacement[..., part] += of_contact - c.compliance[:, 1 + f, None] / np.pi * np.tile(grid.rises, 2)
@@ -144,7 +137,7 @@ class _Assembled:
             outside[:, fields, :, part] += c.compliance[fields, 1 + f][:, None, None] * green
             outside[:, 0, :, part] += (c.screening[list(self._fields)] @ c.compliance[fields, 1 + f]) * green
         unknowns = system.solve(basis, assembly.at_nodes, sources=operators.folded(gradients))
-        contact = outputs.functionals(assembly)[:, _FROM] @ unknowns
+        contact = outputs.functionals(assembly)[:, _CONTACT_ROWS] @ unknowns
         exterior, charges = self._exterior(unknowns), slice(system.causes, None)
         contact[:, DISPLACEMENT, charges] += operators.folded(displacement)
         contact[:, _EDGE, charges] += operators.folded(edge)
@@ -161,87 +154,87 @@ class _Assembled:
         series = np.cos(ANGLES[:, None] * np.arange(basis.terms + 1)) / sine[:, None]
         induced = np.concatenate([operators.grid.induced(X), operators.grid.induced(-X)], 1) / sine[:, None]
         result = []
-        for place, (f, start) in enumerate(system.starts(basis).items()):
+        for row, (f, start) in enumerate(system.starts(basis).items()):
             density = series @ unknowns[:, start : start + basis.terms + 1]
             density += system.coefficients.follower[f] * normal @ unknowns[:, : basis.pressures]
-            first = system.causes + place * operators.density_nodes
+            first = system.causes + row * operators.density_nodes
             density[..., first : first + operators.density_nodes] += operators.folded(induced)
             result.append(density)
         return np.stack(result, 1)
 
     # -- densities -----------------------------------------------------------------------------------------------------
     def _direct(self, number: int) -> tuple[Array, Array, Array, Array]:
-        """Kernel integrals of each field's densities, both sides; c columns, the fields times both sides.
+        """Kernel integrals of the densities, c columns of fields and sides.
 
-        Gradients at the contact's nodes (3, M, c), mean displacements (3, c), du_x/dx at the edges (2, c),
-        displacements beside the contact less those at its edge (3, 2 n, c).
+        Gradients at the contact's nodes (3, M, c), mean displacements (3, c), du_x/dx at the edges (2, c), exterior
+        displacements less those at the edge (3, 2 n, c).
         """
         grid, nodes, count = self.operators.grid, self.basis.nodes, self.operators.grid.count
         size, h, wide = len(self._fields), float(self.half_lengths[number]), self.operators._wide
         if wide is None:
             zero = np.zeros((3, 2 * count, 2 * count * size))
             return zero[:, : nodes.size], zero[:, 0], zero[0, :2], zero
-        points, read = self._about(number)
-        about, beyond = sampled(wide, grid, self._fields, h, points)
-        about = about.reshape(-1, size, 7, count)
-        if read is None:
-            near, mirrored = np.split(about, 2)
+        points, interpolated = self._samples(number)
+        samples, distant = sampled(wide, grid, self._fields, h, points)
+        samples = samples.reshape(-1, size, 7, count)
+        if interpolated is None:
+            near, mirrored = np.split(samples, 2)
         else:
-            near, mirrored = np.tensordot(read, about, 1), np.tensordot(read[:, ::-1], about, 1)
+            near, mirrored = np.tensordot(interpolated, samples, 1), np.tensordot(interpolated[:, ::-1], samples, 1)
         near = np.concatenate([near, _SIGNS[:, None] * mirrored], -1)  # (target, field, 7, 2 n)
-        beyond = beyond.reshape(2, -1, size, 3, count)
-        moved = self._sides(near[..., 4:, :], np.concatenate([beyond, beyond[::-1]], -1))
+        distant = distant.reshape(2, -1, size, 3, count)
+        differences = self._less_edges(near[..., 4:, :], np.concatenate([distant, distant[::-1]], -1))
         inside, edges = near[-nodes.size :], near[2 * grid.close : 2 * grid.close + 2]
-        slopes = h * near[self._near_among, :, :3]
+        slopes = h * near[self._next_to_edges, :, :3]
         return (
             h * _flat(inside[:, :, :3]),
             _flat(np.tensordot(self.basis.mean, inside[:, :, 4:], 1)[None])[:, 0],
             h * edges[:, :, 3].reshape(2, -1),
-            self._from_edge(_flat(moved), _flat(slopes)),
+            self._from_edge(_flat(differences), _flat(slopes)),
         )
 
-    def _about(self, number: int) -> tuple[tuple[float, ...], Array | None]:
-        """Points about the contact that resolve the kernels to rounding, and the matrix from them to places.
+    def _samples(self, number: int) -> tuple[tuple[float, ...], Array | None]:
+        """Points X that resolve the kernels near the contact, and the interpolation matrix from them to the targets.
 
-        Places are the nodes next to the right and the left edge, the edges and the contact's nodes. Where the contact
-        is narrow, points are a few of Chebyshev's; where it is wide, they are the places, then their mirror images.
+        Targets: nodes close to the right and left edge, the edges, the contact's nodes. None: points are the targets,
+        then their mirror images.
         """
         wide, X = self.operators._wide, self.operators.grid.distance[: self.operators.grid.close]
         assert wide is not None
-        places = np.concatenate([X, -X, [1.0, -1.0], self.basis.nodes])
+        targets = np.concatenate([X, -X, [1.0, -1.0], self.basis.nodes])
         count = enough(wide.smoothness / float(self.half_lengths[number]), 2 * CLOSE)
-        if count < places.size:
-            return tuple((CLOSE * gauss_points(count)).tolist()), interpolation(count, places / CLOSE)
-        return (*places.tolist(), *(-places).tolist()), None
+        if count < targets.size:  # a narrow contact
+            return tuple((CLOSE * gauss_points(count)).tolist()), interpolation(count, targets / CLOSE)
+        return (*targets.tolist(), *(-targets).tolist()), None
 
-    def _sides(self, near: Array, beyond: Array) -> Array:
-        """Displacements at all nodes less those at their edges, of places about the contact and (side, node, ...)."""
+    def _less_edges(self, near: Array, distant: Array) -> Array:
+        """Displacements at all nodes less those at their edges, from ``near`` targets and (side, node, ...)."""
         close = self.operators.grid.close
         sides = [
-            np.concatenate([near[side * close : (side + 1) * close], beyond[side]]) - near[2 * close + side]
+            np.concatenate([near[side * close : (side + 1) * close], distant[side]]) - near[2 * close + side]
             for side in (0, 1)
         ]
         return np.concatenate(sides)
 
     @property
-    def _near_among(self) -> NDArray[np.intp]:
-        """The nodes next to the edges among those of ``_about``."""
+    def _next_to_edges(self) -> NDArray[np.intp]:
+        """Indices of the nodes next to the edges among the targets of ``_samples``."""
         near = np.arange(self.operators.grid.near)
         return np.concatenate([near, self.operators.grid.close + near])
 
-    # -- beside the contact --------------------------------------------------------------------------------------------
+    # -- exterior ------------------------------------------------------------------------------------------------------
     def _exterior(self, unknowns: Array) -> Array:
-        """u_y and the potentials of the fields, less those at the edge, per column; (half, 1 + field, n, column)."""
+        """Exterior u_y and potentials less those at the edge; (half, 1 + field, n, column)."""
         count = self.operators.density_nodes
         rows = self._local + self._from_contact[:, [0, *(1 + f for f in self._fields)], :count]
         return np.asarray((rows.reshape(rows.shape[0], -1, rows.shape[-1]) @ unknowns).reshape(*rows.shape[:3], -1))
 
     @cached_property
     def _local(self) -> Array:
-        """The same of every unknown, by the half-plane alone; (1 + field, n, unknown)."""
+        """Half-plane's part of exterior u_y and potentials less those at the edge; (1 + field, n, unknown)."""
         system, basis, operators = self.operators.system, self.basis, self.operators
         c, count = system.coefficients, operators.grid.count
-        X = self._positions[: operators.density_nodes]
+        X = np.concatenate([operators.grid.distance, -operators.grid.distance])[: operators.density_nodes]
         signed = np.sinh(np.tile(operators.grid.theta, operators.sides)) * np.sign(X)
         pressed = (basis.transforms(X)[0] * signed[:, None]).reshape(operators.sides, count, -1)
         orders, theta = np.arange(basis.terms + 1), operators.grid.theta[:, None]
@@ -252,43 +245,42 @@ class _Assembled:
         result = np.zeros((1 + fields.size, operators.density_nodes, system.unknowns(basis)))
         normal = (operators.grid.cumulative @ pressed).reshape(operators.density_nodes, -1)
         result[1:, :, : basis.pressures] = (c.lam / c.kap * (M @ c.friction_screening[fields]))[:, None, None] * normal
-        carried = np.concatenate([charged, (-1.0) ** orders * charged])[: operators.density_nodes]
-        for place, start in enumerate(system.starts(basis).values()):
-            result[1:, :, start : start + basis.terms + 1] = M[:, place, None, None] * carried
+        both_sides = np.concatenate([charged, (-1.0) ** orders * charged])[: operators.density_nodes]
+        for row, start in enumerate(system.starts(basis).values()):
+            result[1:, :, start : start + basis.terms + 1] = M[:, row, None, None] * both_sides
         result[0] = np.tensordot(c.screening[fields], result[1:], 1)
         result[0, :, : basis.pressures] += c.lam * normal
         return result
 
     @cached_property
     def _from_contact(self) -> Array:
-        """(u_y, phi, psi) / h less those at the edge of every unknown, by the kernels; (half, 3, 2 n, unknown)."""
+        """Layers' part of exterior (u_y, phi, psi) / h less those at the edge; (half, 3, 2 n, unknown)."""
         operators, grid, wide = self.operators, self.operators.grid, self.operators._wide
         result = np.zeros((self.half_lengths.size, 3, 2 * grid.count, operators.system.unknowns(self.basis)))
         if wide is None:
             return result
-        beyond = grid.distance[grid.close :]
-        beyond = np.concatenate([beyond, -beyond])
+        distant_X = np.concatenate([grid.distance[grid.close :], -grid.distance[grid.close :]])
         sources = self._assembly.sources()
-        for alike in (sources[:1], sources[1:]):  # the charges of all fields lie at the same nodes
-            nodes, rule = alike[0][1], alike[0][2]
+        for group in (sources[:1], sources[1:]):  # the charges of all fields lie at the same nodes
+            nodes, rule = group[0][1], group[0][2]
             friction, channels = operators.system.coefficients.friction, [0, 1, 2, 4, 5, 6]
-            mix = np.stack([mixing(friction, source[3])[:, channels] for source in alike], 1)
+            mix = np.stack([mixing(friction, source[3])[:, channels] for source in group], 1)
             for number, h in enumerate(self.half_lengths.tolist()):
-                points, read = self._about(number)
-                targets = np.array(points) if read is not None else np.array(points[: len(points) // 2])
-                about = far(wide, h * (targets[:, None] - nodes), mix.reshape(19, -1))
-                near = np.tensordot(about if read is None else np.tensordot(read, about, 1), rule, (1, 0))
-                near = near.reshape(-1, len(alike), 6, rule.shape[1])
-                outer = far(wide, h * (beyond[:, None] - nodes), mix[..., 3:].reshape(19, -1))
-                outer = np.tensordot(outer, rule, (1, 0)).reshape(2, -1, len(alike), 3, rule.shape[1])
-                moved = np.moveaxis(self._sides(near[:, :, 3:], outer), 0, 2)
-                slopes = h * np.moveaxis(near[self._near_among, :, :3], 0, 2)
-                for (columns, *_), raised in zip(alike, self._from_edge(moved, slopes), strict=True):
-                    result[number, ..., columns] = raised
+                points, interpolated = self._samples(number)
+                targets = np.array(points if interpolated is not None else points[: len(points) // 2])
+                near = far(wide, h * (targets[:, None] - nodes), mix.reshape(19, -1))
+                near = near if interpolated is None else np.tensordot(interpolated, near, 1)
+                near = np.tensordot(near, rule, (1, 0)).reshape(-1, len(group), 6, rule.shape[1])
+                distant = far(wide, h * (distant_X[:, None] - nodes), mix[..., 3:].reshape(19, -1))
+                distant = np.tensordot(distant, rule, (1, 0)).reshape(2, -1, len(group), 3, rule.shape[1])
+                differences = np.moveaxis(self._less_edges(near[:, :, 3:], distant), 0, 2)
+                slopes = h * np.moveaxis(near[self._next_to_edges, :, :3], 0, 2)
+                for (columns, *_), displaced in zip(group, self._from_edge(differences, slopes), strict=True):
+                    result[number, ..., columns] = displaced
         return result
 
     def _from_edge(self, differences: Array, slopes: Array) -> Array:
-        """Displacements less those at the edges, of both sides, from du/dX at ``_near``; (..., 2 n, c)."""
+        """Displacements of both sides less those at the edges, by du/dX next to the edges; (..., 2 n, c)."""
         grid = self.operators.grid
         right, left = slopes[..., : grid.near, :], -slopes[..., grid.near :, :]
         sides = (differences[..., : grid.count, :], right), (differences[..., grid.count :, :], left)
@@ -296,40 +288,35 @@ class _Assembled:
 
 
 def _flat(values: Array) -> Array:
-    """(target, field, channel, n) as (channel, target, field n)."""
+    """Rearrange (target, field, channel, n) as (channel, target, field n)."""
     return np.moveaxis(values, 2, 0).reshape(values.shape[2], values.shape[0], -1)
 
 
 _LARGEST = 0.5e9  # bytes of a table, of which some copies exist while it is made; usual ones take 0.01 to 0.2 GB
-
-_MARGIN, _MARGIN_OF_BASE = 10.0, 3.0
+_MARGIN, _MARGIN_OF_BASE = 10.0, 3.0  # start of the last panel over the distances of ``farthest``
 
 
 @dataclass(frozen=True, eq=False)
 class AirTable:
-    """Operators at the half-lengths of a table, read between them by Chebyshev's polynomials in log h."""
+    """Operators at the half-lengths of a table, interpolated by Chebyshev polynomials in log h."""
 
     table: Table
-    farthest: float = 0.0
+    farthest: float = 0.0  # Least X at which the infinite panel starts
     clipped: bool = True  # Whether half-lengths beyond the table have the outputs of its end
 
     @cached_property
     def operators(self) -> Operators:
-        """Operators at any half-length of the range."""
+        """Operators at any half-length of the table."""
         system = self.table.system
         even = system.coefficients.friction == 0 and system.degree == 1
         return Operators(system, grid_of(system, self.table.lower, self.table.upper, self.farthest), even)
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Outputs at the half-lengths; others: edge stresses, pressures over their weight, densities by field."""
+        """Outputs at the half-lengths; edge stresses, pressures over weight and densities are only reported."""
         operators = self.operators
-        size = (
-            8.0
-            * self.table.half_lengths.size
-            * operators.rows
-            * (operators.system.causes + len(operators.system.fields) * operators.density_nodes)
-        )
+        columns = operators.system.causes + len(operators.system.fields) * operators.density_nodes
+        size = 8.0 * self.table.half_lengths.size * operators.rows * columns
         if size > _LARGEST:
             raise ContactError(
                 "surroundings: charges spread so far beside the contact that their table would take "
@@ -343,8 +330,8 @@ class AirTable:
         """Integrals of X^m from the edge to the nodes of the unknown densities; (n, degree + 1)."""
         operators = self.operators
         m = np.arange(1, operators.system.degree + 2)
-        risen = np.expm1(m * np.log1p(2 * np.sinh(operators.grid.theta / 2) ** 2)[:, None]) / m
-        return np.concatenate([risen, (-1.0) ** m * risen])[: operators.density_nodes]
+        right = np.expm1(m * np.log1p(2 * np.sinh(operators.grid.theta / 2) ** 2)[:, None]) / m
+        return np.concatenate([right, (-1.0) ** m * right])[: operators.density_nodes]
 
     @cached_property
     def size(self) -> Array:
@@ -353,7 +340,7 @@ class AirTable:
 
 
 def grid_of(system: System, shortest: float, longest: float, farthest: float = 0.0) -> Grid:
-    """Panels beside contacts of half-lengths between two, as far as the thickness of the film matters."""
+    """Exterior panels for contacts of half-lengths between two [m], as far as the film's thickness matters."""
     stack = system.kernel.stack
     distance = max(30.0, 40 * stack.thickness / shortest, min(300.0, 2e3 * system.kernel.width / longest), farthest)
     growing = bool(np.any(np.diagonal(low(stack))[2:]))
@@ -361,25 +348,24 @@ def grid_of(system: System, shortest: float, longest: float, farthest: float = 0
 
 
 def farthest(contact: FilmContact, permittivity: Array) -> Array:
-    """X as far as which charges beside contacts are not yet those of the open gap: 0 or powers of four; (case,).
+    """Return X from which exterior charges are those of a wide gap, 0 or a power of four; (case,).
 
-    Over a film they are from where the gap lets pass less than the film, D = eps0 V/(g + eps0 thickness/eps): the last
-    panel, whose terms are powers of 1/X, begins at ten times that distance, which makes 1e-6 of the charges. Over a
-    base whose potential grows it is where the gap is x eps0/eps, and the panel has the logarithms of that.
-
-    permittivity: (case, 2), of what fills the gaps.
+    permittivity: (case, 2), permittivity and permeability of the gas in the gaps.
     """
+    # Over a film it is where the gap passes less than the film, D = eps0 V/(g + eps0 thickness/eps): the last panel,
+    # whose terms are powers of 1/X, starts at ten times that distance, which errs by 1e-6 of the charges. Over a base
+    # whose potential grows it is where the gap is x eps0/eps, and the panel has the logarithms of that.
     system, scale = contact.table.system, contact.scale
     stack, slope = system.kernel.stack, np.abs(contact.loading.slope[:, 1:])
     below, reach = np.diagonal(low(stack)), np.zeros(len(slope))
     order = 1 + np.arange(slope.shape[1])
-    steep = np.where(slope > 0, slope, np.nan)  # powers that the profile has
+    positive = np.where(slope > 0, slope, np.nan)  # powers that the profile has
     for f in system.fields:
         medium = (permittivity[:, f] * scale[2 + f] ** 2 / scale[1])[:, None]
         film = medium * abs(float(system.coefficients.compliance[1 + f, 1 + f])) * stack.thickness
         base = medium * abs(float(below[2 + f]))
-        over_film = np.nanmin(((order + 1) * film / steep) ** (1 / (order + 1)), 1)
-        over_base = np.nanmin(((order + 1) * base / steep) ** (1 / order), 1)
+        over_film = np.nanmin(((order + 1) * film / positive) ** (1 / (order + 1)), 1)
+        over_base = np.nanmin(((order + 1) * base / positive) ** (1 / order), 1)
         reach = np.maximum(reach, np.maximum(_MARGIN * over_film, _MARGIN_OF_BASE * over_base))
     needed = reach / contact.half_width
     return np.where(needed > 1, 4.0 ** np.ceil(np.log(np.maximum(needed, 1.0)) / np.log(4.0)), 0.0)

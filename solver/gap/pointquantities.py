@@ -1,4 +1,4 @@
-"""Every quantity of point contacts with air beside them by its name (points, 6)."""
+"""Quantities, surface fields, fields inside and peaks of point contacts in air (points, 6)."""
 
 from collections.abc import Iterator, Set
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from solver.gap.newton import Frame, Settled, continued, settled, together
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
 from solver.gap.ringoperators import WITHIN, X_WITHIN, RingOperators, RingTable, crowded, ends_of, film_table
 from solver.gap.rings import reach_of, rings
-from solver.gap.slidingpoint import SlidingPoint, largest_beside, largest_within, trailing_tension, warn_of_charges
+from solver.gap.slidingpoint import SlidingPoint, largest_exterior, largest_within, trailing_tension, warn_of_charges
 from solver.halfplane.interior import POTENTIALS
 from solver.halfplane.pressing import ContactError
 from solver.line.windows import FIRST, LAST, number_of
@@ -30,7 +30,7 @@ from solver.point.profile import SAMPLES, Shape, finite, highest_pressure
 from solver.point.quantities import RESPONSES
 from solver.twoport import Stiffness
 
-_REACH = "reach"  # among the quantities of a case: of the gap's field
+_REACH = "reach"  # key of ``SlidingPoint.reach`` among the quantities
 #: Cases that share a table, with their solutions.
 _Group = tuple[Indices, Settled[PointStates]]
 
@@ -41,24 +41,18 @@ def _on_half_space(compliance: tuple[float, ...], fields: tuple[int, ...], shape
 
 
 def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | None = None) -> dict[str, Array]:
-    """Quantities of ``solver.names``, those of a point without air and those that only a gap has; (case,) each.
-
-    Edge intensities are absent: those of fields that the air carries do not exist. With friction to the first order.
-    """
+    """Quantities by the names of ``solver.names``, (case,) each; conductors in air have no edge intensities."""
     if rim is not None and isinstance(pressed.body, Film):
         require_thin(pressed.body.kind.film)
     points, count = AirPoints(pressed, permittivity, end), pressed.force.size
-    charged, nothing = points.solved(pressed.charged), np.zeros((count, 2))
+    charged, no_charges = points.solved(pressed.charged), np.zeros((count, 2))
     is_charged = bool(np.any(pressed.charged.pressed.charges))
-    idle = points.solved(pressed.uncharged, nothing) if is_charged else charged
-    parts = [(places, points.of_contacts(places, result, rim)) for places, result in charged]
-    whole = joined(parts, count)
-    whole |= joined([(places, points.of_uncharged(places, result)) for places, result in idle], count)
-    whole |= joined(
-        [(places, points.of_grounded(places, result)) for group in idle for places, result in points.grounded(*group)],
-        count,
-    )
-    warn_of_charges(float(np.max(whole.pop(_REACH, nothing))))
+    uncharged = points.solved(pressed.uncharged, no_charges) if is_charged else charged
+    grounded = [group for groups in uncharged for group in points.grounded(*groups)]
+    whole = joined([(cases, points.of_contacts(cases, result, rim)) for cases, result in charged], count)
+    whole |= joined([(cases, points.of_uncharged(cases, result)) for cases, result in uncharged], count)
+    whole |= joined([(cases, points.of_grounded(cases, result)) for cases, result in grounded], count)
+    warn_of_charges(float(np.max(whole.pop(_REACH, no_charges))))
     return whole
 
 
@@ -67,8 +61,8 @@ class AirPoints:
     """Cases of a body, solved under any charges or at zero potentials."""
 
     pressed: Pressed
-    permittivity: Array  # Relative one of what fills the gaps; (case,)
-    end: Array  # Where the gaps end [m]; (case,)
+    permittivity: Array  # Relative permittivity of the gas in the gaps; (case,)
+    end: Array  # Distance at which the gaps end [m]; (case,)
 
     @property
     def _conducts(self) -> BoolArray:
@@ -82,7 +76,7 @@ class AirPoints:
 
     @cached_property
     def medium(self) -> Array:
-        """Permittivity and permeability of what fills the gaps; (case, 2)."""
+        """Permittivity and permeability of the gas in the gaps; (case, 2)."""
         return np.stack(np.broadcast_arrays(VACUUM_PERMITTIVITY * self.permittivity, VACUUM_PERMEABILITY), 1)
 
     @cached_property
@@ -96,104 +90,104 @@ class AirPoints:
         contacts = self.pressed.charged, self.pressed.uncharged, self.pressed.grounded
         return crowded(np.concatenate([contact.radius / self.length for contact in contacts]))
 
-    def _table(self, place: int, ratio: float, *, wide: bool = False) -> RingTable:
-        """Operators of a case near a radius, or over a wider range."""
-        body, reach = self.pressed.body, float(self._reaches[place])
+    def _table(self, case: int, ratio: float, *, wide: bool = False) -> RingTable:
+        """Operators of a case near a ratio of radius to length, or over a wider range."""
+        body, reach = self.pressed.body, float(self._reaches[case])
         if isinstance(body, Film):
             wide = wide or int(number_of(np.array([ratio]))[0]) in self._crowded
             return film_table(body.kind, reach, ends_of(ratio, wide=wide))
-        fields = tuple(np.flatnonzero(self._conducts[place]).tolist())
-        return _on_half_space(tuple(body.compliance[place].ravel().tolist()), fields, body.shape, reach)
+        fields = tuple(np.flatnonzero(self._conducts[case]).tolist())
+        return _on_half_space(tuple(body.compliance[case].ravel().tolist()), fields, body.shape, reach)
 
-    def _states(self, places: Indices, table: RingTable, radius: Array, charges: Array | None) -> PointStates:
-        """Contacts without air; charges (case, 2) [C, Wb], None: those that make the potentials zero."""
-        length, units = self.length[places], self.pressed.units[places]
+    def _states(self, cases: Indices, table: RingTable, radius: Array, charges: Array | None) -> PointStates:
+        """Contacts without air under charges (case, 2) [C, Wb], or at zero potentials if None."""
+        length, units = self.length[cases], self.pressed.units[cases]
         fields, e = list(table.exact.fields), table.exact.shape.exponent
-        unknowns = np.zeros((places.size, 1 + len(fields) + 1 + len(fields) * table.exact.rows.nodes))
+        unknowns = np.zeros((cases.size, 1 + len(fields) + 1 + len(fields) * table.exact.rows.nodes))
         unknowns[:, 0] = np.log(radius)
-        of_fields = units[:, [1 + f for f in fields]]
-        prescribed = np.zeros_like(of_fields)
+        field_units = units[:, [1 + f for f in fields]]
+        prescribed = np.zeros_like(field_units)
         if charges is not None:
-            prescribed = charges[places][:, fields] * of_fields / length[:, None] ** 2
+            prescribed = charges[cases][:, fields] * field_units / length[:, None] ** 2
         rows = table.exact.rows
         outputs, distance = table.outputs.solving, table.exact.rings.grid.distance
         frame = Frame(outputs, rows.edges.stop, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
         return PointStates(
             frame, unknowns, (charges is None,) * len(fields), table,
-            self.pressed.coefficient[places] / units[:, 0] * length ** (e - 1),
-            self.pressed.force[places] * units[:, 0] / length**2, prescribed,
-            self.medium[places][:, fields] * of_fields**2 / units[:, :1], self.end[places] / length,
+            self.pressed.coefficient[cases] / units[:, 0] * length ** (e - 1),
+            self.pressed.force[cases] * units[:, 0] / length**2, prescribed,
+            self.medium[cases][:, fields] * field_units**2 / units[:, :1], self.end[cases] / length,
         )  # fmt: skip
 
     def solved(self, contact: PointContact, charges: Array | None = None) -> list[_Group]:
-        """Solutions with charges [C, Wb], from contacts without air on; by default with the charges of these."""
+        """Solutions under ``charges`` [C, Wb], by default those of the contacts without air from which they start."""
         charges = contact.pressed.charges if charges is None else charges
         ratio, groups = contact.radius / self.length, list[_Group]()
         by_table: dict[int, tuple[RingTable, list[int]]] = {}
-        for place in np.argsort(ratio, kind="stable").tolist():  # those of like radius share tables
-            table = self._table(place, float(ratio[place]))
-            by_table.setdefault(id(table), (table, []))[1].append(place)
-        for table, alike in by_table.values():
-            count = together(self._states(np.array(alike[:1]), table, ratio[alike[:1]], charges))
-            for start in range(0, len(alike), count):
-                places = np.array(alike[start : start + count])
-                states = self._states(places, table, ratio[places], charges)
+        for case in np.argsort(ratio, kind="stable").tolist():  # cases of similar radius share tables
+            table = self._table(case, float(ratio[case]))
+            by_table.setdefault(id(table), (table, []))[1].append(case)
+        for table, members in by_table.values():
+            count = together(self._states(np.array(members[:1]), table, ratio[members[:1]], charges))
+            for start in range(0, len(members), count):
+                cases = np.array(members[start : start + count])
+                states = self._states(cases, table, ratio[cases], charges)
                 result = settled(states, _parameters(states))
-                groups += self._within(places, result, ratio[places], charges)
+                groups += self._within_tables(cases, result, ratio[cases], charges)
         return groups
 
-    def grounded(self, places: Indices, idle: Settled[PointStates]) -> list[_Group]:
-        """Solutions at zero potentials, from those without charges on."""
-        states = self._states(places, idle.states.table, idle.states.radius, None)
-        return self._within(places, continued(states, idle), idle.states.radius, None)
+    def grounded(self, cases: Indices, uncharged: Settled[PointStates]) -> list[_Group]:
+        """Solutions at zero potentials, continued from those without charges."""
+        states = self._states(cases, uncharged.states.table, uncharged.states.radius, None)
+        return self._within_tables(cases, continued(states, uncharged), uncharged.states.radius, None)
 
-    def _within(
-        self, places: Indices, result: Settled[PointStates], start: Array, charges: Array | None
+    def _within_tables(
+        self, cases: Indices, result: Settled[PointStates], start: Array, charges: Array | None
     ) -> list[_Group]:
-        """Solutions, those that leave the range of their table solved again by wider ones."""
+        """Solutions; cases that leave the range of their table are solved again by wider tables."""
         inside = result.valid & result.states.table.holds(result.states.unknowns[:, 0])
-        groups = [(places[inside], result.part(np.flatnonzero(inside)))] if np.any(inside) else []
-        for case in np.flatnonzero(~inside).tolist():
-            alone, radius, again = places[[case]], start[[case]], None
+        groups = [(cases[inside], result.part(np.flatnonzero(inside)))] if np.any(inside) else []
+        for number in np.flatnonzero(~inside).tolist():
+            case, radius, solution = cases[[number]], start[[number]], None
             for _ in range(LAST - FIRST):
-                table = self._table(int(alone[0]), float(radius[0]), wide=True)
-                states = self._states(alone, table, radius, charges)
-                again = (settled(states, _parameters(states)) if again is None else continued(states, again)).require()
-                radius = again.states.radius
+                table = self._table(int(case[0]), float(radius[0]), wide=True)
+                states = self._states(case, table, radius, charges)
+                solution = settled(states, _parameters(states)) if solution is None else continued(states, solution)
+                radius = solution.require().states.radius
                 if np.all(table.holds(np.log(radius))):
                     break
-            assert again is not None
-            groups.append((alone, again))
+            assert solution is not None
+            groups.append((case, solution))
         return groups
 
     # -- quantities ----------------------------------------------------------------------------------------------------
-    def _units(self, places: Indices, states: PointStates) -> Array:
+    def _units(self, cases: Indices, states: PointStates) -> Array:
         """Units of (y, phi, psi) of the channels; (case, channel)."""
-        return self.pressed.units[places][:, states.layout.channels]
+        return self.pressed.units[cases][:, states.layout.channels]
 
-    def _compliance(self, places: Indices, result: Settled[PointStates]) -> Array:
-        """-d (-depth, V, Psi) / d (P, T, J) of the channels, SI; (case, channel, channel)."""
-        units = self._units(places, result.states)
-        return -result.tangents * units[..., None] * units[:, None] / self.length[places][:, None, None]
+    def _compliance(self, cases: Indices, result: Settled[PointStates]) -> Array:
+        """Return -d (-depth, V, Psi) / d (P, T, J) of the channels, SI; (case, channel, channel)."""
+        units = self._units(cases, result.states)
+        return -result.tangents * units[..., None] * units[:, None] / self.length[cases][:, None, None]
 
-    def of_uncharged(self, places: Indices, result: Settled[PointStates]) -> dict[str, Array]:
+    def of_uncharged(self, cases: Indices, result: Settled[PointStates]) -> dict[str, Array]:
         """Potentials per force; (case,) each."""
-        compliance = self._compliance(places, result)
+        compliance = self._compliance(cases, result)
         return {RESPONSES[field][1]: -compliance[:, 1 + row, 0] for row, field in enumerate(result.states.frame.fields)}
 
-    def of_grounded(self, places: Indices, result: Settled[PointStates]) -> dict[str, Array]:
-        """Charges per force; (case,) each."""
-        loads = result.states.loads / self._units(places, result.states)
-        share = loads / loads[:, :1]
-        return {RESPONSES[field][2]: share[:, 1 + row] for row, field in enumerate(result.states.frame.fields)}
+    def of_grounded(self, cases: Indices, result: Settled[PointStates]) -> dict[str, Array]:
+        """Charges per force at zero potentials; (case,) each."""
+        loads = result.states.loads / self._units(cases, result.states)
+        per_force = loads / loads[:, :1]
+        return {RESPONSES[field][2]: per_force[:, 1 + row] for row, field in enumerate(result.states.frame.fields)}
 
-    def of_contacts(self, places: Indices, result: Settled[PointStates], rim: Rim | None) -> dict[str, Array]:
+    def of_contacts(self, cases: Indices, result: Settled[PointStates], rim: Rim | None) -> dict[str, Array]:
         """Quantities of contacts with their charges; (case,) each."""
-        states, units, length = result.states, self._units(places, result.states), self.length[places]
-        port, displacement = Stiffness.of(self._compliance(places, result)), states.response.values * units
+        states, units, length = result.states, self._units(cases, result.states), self.length[cases]
+        port, displacement = Stiffness.of(self._compliance(cases, result)), states.response.values * units
         size, bounded = states.size / states.radius, finite(states.operators.shape)
-        inside = states.table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
-        slid = [self.slid(*pair) for pair in _solutions(places, states)]
+        inside = states.table.outputs.reported.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+        slid = [self.slid(*pair) for pair in _solutions(cases, states)]
         sliding = [solution for solution in slid if solution is not None]
         out = {
             "contact_radius": length * states.radius,
@@ -208,8 +202,8 @@ class AirPoints:
             out[_REACH] = np.array([solution.reach for solution in sliding])
             if rim is not None:
                 out["trailing_tension"] = np.array([
-                    trailing_tension(solution, rim.part(place), self.pressed.body, self.pressed.units[place])
-                    for place, solution in zip(places.tolist(), sliding, strict=True)
+                    trailing_tension(solution, rim.part(case), self.pressed.body, self.pressed.units[case])
+                    for case, solution in zip(cases.tolist(), sliding, strict=True)
                 ])  # fmt: skip
         fixed = np.linalg.inv(result.at_fixed_contact[:, 1:])
         for row, field in enumerate(states.frame.fields):
@@ -219,39 +213,37 @@ class AirPoints:
             out[names[5]] = fixed[:, row, row] * length / units[:, j] ** 2
             if field == 0:
                 out["capacitance_at_force"] = port.capacitance(j)
-                out["gap_field"] = largest_beside(states, slid, row, gap=True) * density / self.medium[places, 0]
+                out["gap_field"] = largest_exterior(states, slid, row, gap=True) * density / self.medium[cases, 0]
                 if bounded:
                     within = largest_within(slid, field, _peak_within(inside, row))
-                    out["peak_displacement"] = (
-                        np.maximum(within, largest_beside(states, slid, row, gap=False)) * density
-                    )
+                    exterior = largest_exterior(states, slid, row, gap=False)
+                    out["peak_displacement"] = np.maximum(within, exterior) * density
         return out
 
-    def slid(self, place: int, solution: SolvedPoint) -> SlidingPoint | None:
-        """First order of a solution in friction; None if the cases have no friction."""
+    def slid(self, case: int, solution: SolvedPoint) -> SlidingPoint | None:
+        """First-order change of a solution by friction; None if the cases have no friction."""
         friction, body = self.pressed.friction, self.pressed.body
         if friction is None:
             return None
         layers = shear_kernel(body.kind.film) if isinstance(body, Film) else None
-        coefficient = float(friction.coefficient[place])
-        return SlidingPoint(solution, coefficient, friction.coupling[place], layers)
+        return SlidingPoint(solution, float(friction.coefficient[case]), friction.coupling[case], layers)
 
 
-def _solutions(places: Indices, states: PointStates) -> Iterator[tuple[int, SolvedPoint]]:
-    """Yield the place of every case with its solution."""
-    for case, place in enumerate(places.tolist()):
-        yield place, SolvedPoint.of(states, case)
+def _solutions(cases: Indices, states: PointStates) -> Iterator[tuple[int, SolvedPoint]]:
+    """Yield every case with its solution."""
+    for row, case in enumerate(cases.tolist()):
+        yield case, SolvedPoint.of(states, row)
 
 
 def _parameters(states: PointStates) -> Array:
-    """Logarithms of what cases differ in; (case, parameter)."""
+    """Parameters of :func:`settled`: logarithms of radius, profile, force, end and media, and charges per force."""
     force = states.force[:, None]
     logarithms = np.log(np.stack([states.coefficient, states.force, states.end], 1))
     return np.concatenate([states.unknowns[:, :1], logarithms, np.log(states.media), states.charges / force], 1)
 
 
 def _peak_pressure(inside: Array) -> Array:
-    """Largest pressures over C a^(e-1), from the rows below the contact; (case,)."""
+    """Largest pressures over C a^(e-1), from the outputs below the contact; (case,)."""
     samples = inside[:, : SAMPLES.size]
     series = _odd_series() @ samples.T
     return highest_pressure(
@@ -268,7 +260,7 @@ def _odd_series() -> Array:
 
 
 def _peak_within(inside: Array, row: int) -> Array:
-    """Largest densities of a field below the contact, over C a^(e-1); (case,)."""
+    """Largest densities below the contact of the conducted field number ``row``, over C a^(e-1); (case,)."""
     first = SAMPLES.size + row * X_WITHIN.size
     densities = inside[:, first : first + X_WITHIN.size]
     panels = densities[:, :-1].reshape(len(inside), -1, WITHIN)
@@ -280,30 +272,29 @@ _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
 
 @dataclass(frozen=True, eq=False)
 class _FieldCase:
-    """One case: surface tractions, units, contact radius and the unit of its body's lengths [m]."""
+    """Solution of one case, with its units."""
 
     at_rest: SolvedPoint
-    slid: SlidingPoint | None
-    units: Array
-    radius: float
-    length: float
+    slid: SlidingPoint | None  # None: without friction
+    units: Array  # Units of (y, phi, psi); (3,)
+    radius: float  # Contact radius [m]
+    length: float  # Unit of the body's lengths [m]
 
     @property
     def tractions(self) -> AirPointTractions:
-        """On the whole surface, in the units of the body."""
+        """Tractions on the whole surface, in the units of the body."""
         return (self.slid or self.at_rest).tractions(self.radius / self.length)
 
 
 def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) -> dict[str, Array]:
-    """Tractions of ``solver.fields.POINT_FIELDS`` on the surface and beside the contact, SI; (case, position) each."""
+    """Surface tractions by the names of ``solver.fields.POINT_FIELDS`` at r/a, SI; (case, position) each."""
     if not finite(pressed.body.shape) and np.any(positions == 0):
         raise ContactError(
             f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
         )
-    cases = _solved_cases(pressed, permittivity, end)
     result = np.empty((pressed.force.size, 3, positions.size))
-    for place, case in cases:
-        result[place] = case.at_rest.surface_tractions(positions) / case.units[:, None]
+    for number, case in _solved_cases(pressed, permittivity, end):
+        result[number] = case.at_rest.surface_tractions(positions) / case.units[:, None]
     result[:, 0] = 0.0 - result[:, 0]
     return {name: result[:, number] for number, name in enumerate(_FIELDS)}
 
@@ -314,26 +305,27 @@ def inside(
     """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, SI, NaN in a rigid base; (case, field, y, x)."""
     out = np.empty((pressed.force.size, len(names), y.size, x.size))
     potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
-    for place, case in _solved_cases(pressed, permittivity, end):
-        out[place] = body.fields(case.tractions, x, y, names)[0]
-        out[place, potentials] *= case.length
+    for number, case in _solved_cases(pressed, permittivity, end):
+        out[number] = body.fields(case.tractions, x, y, names)[0]
+        out[number, potentials] *= case.length
     return out
 
 
 def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, names: Set[str]) -> dict[str, Array]:
-    """Quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that are asked for and the cases have; (case,) each."""
+    """Requested quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that the cases have; (case,) each."""
     parts = [
-        (np.array([place]), peaks_of(body, case.tractions, np.array([case.radius]), names))
-        for place, case in _solved_cases(pressed, permittivity, end)
+        (np.array([number]), peaks_of(body, case.tractions, np.array([case.radius]), names))
+        for number, case in _solved_cases(pressed, permittivity, end)
     ]
     return joined(parts, pressed.force.size)
 
 
 def _solved_cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _FieldCase]]:
+    """Yield the number of every case with its solution."""
     points = AirPoints(pressed, permittivity, end)
-    for places, result in points.solved(pressed.charged):
-        for place, solution in _solutions(places, result.require().states):
-            radius = solution.radius * float(points.length[place])
-            length = float(points.length[place]) if isinstance(pressed.body, Film) else radius
-            slid = points.slid(place, solution)
-            yield place, _FieldCase(solution, slid, pressed.units[place], radius, length)
+    for cases, result in points.solved(pressed.charged):
+        for number, solution in _solutions(cases, result.require().states):
+            radius = solution.radius * float(points.length[number])
+            length = float(points.length[number]) if isinstance(pressed.body, Film) else radius
+            slid = points.slid(number, solution)
+            yield number, _FieldCase(solution, slid, pressed.units[number], radius, length)

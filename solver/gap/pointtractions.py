@@ -1,8 +1,4 @@
-"""Tractions of a point contact with air beside it: those below the punch and the rings beside it (points, 6, 7).
-
-Below the punch the density in b is that of a contact without air, its strength what the rings leave at the edge; beside
-it, b > 1, it is (2/pi) S of the rings (:mod:`solver.gap.rings`).
-"""
+"""Tractions of a point contact in air and of its exterior charges, as densities in b (points, sections 6 and 7)."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -27,14 +23,14 @@ from solver.stack.wavenumbers import panels
 class AirPointTractions(Tractions):
     """Tractions of one contact, as one column."""
 
-    exterior_charges: Charges = field(kw_only=True)
+    exterior_charges: Charges = field(kw_only=True)  # (2/pi) S at b > 1 and b < -1
 
     def part(self, columns: Indices) -> Self:
-        """The contact itself, with its cached spectra: it is the only column."""
+        """Return the contact itself, with its cached spectra: it is the only column."""
         return self
 
     def nodes(self, radius: float, near: float) -> hankel.Nodes:
-        """Nodes in b on the contact and beyond it, up to the farthest charges."""
+        """Nodes in b up to the farthest charges, for a field point."""
         return hankel.nodes(radius, near, kinked=self.kinked, beyond=self._ends)
 
     @cached_property
@@ -42,15 +38,15 @@ class AirPointTractions(Tractions):
         return [float(end) for end in np.cosh(self.exterior_charges.ends[1:])]
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Densities at b (b,) over a, on the contact and at b > 1, at rest and of cos(angle); (1, 4, b) each."""
+        """Densities of (sigma_xy, sigma_yy, D_y, B_y) at b (b,) >= 0, at rest and of cos(angle); (1, 4, b) each."""
         within = b <= 1
         right, left = self.exterior_charges.density(b[~within]), self.exterior_charges.density(-b[~within])
         first, second = super().vectors(b[within], columns)
-        plain = _continued(first, within, right + left)
-        return plain, None if second is None else _continued(second, within, right - left)
+        plain = _joined(first, within, right + left)
+        return plain, None if second is None else _joined(second, within, right - left)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Hankel transforms of the contact and its rings at phases k a (k,); (k, 4, 1) each."""
+        """Hankel transforms at phases k a (k,), at rest and of cos(angle); (k, 4, 1) each."""
         rule = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
         first, second = super().vectors(rule.b, columns)
         spectrum = self.exterior_charges.spectrum(float(np.max(phases))).values(phases)
@@ -69,10 +65,10 @@ class AirPointTractions(Tractions):
         return self.exterior_charges.wavenumbers(panels(stack, width), float(self.ratio[0]), reach)
 
 
-def _continued(part: Array, within: BoolArray, exterior: Array) -> Array:
-    """Densities of (sigma_xy, sigma_yy, D_y, B_y) below the contact, and those beside it; (1, 4, b)."""
+def _joined(interior: Array, within: BoolArray, exterior: Array) -> Array:
+    """Join densities of (sigma_xy, sigma_yy, D_y, B_y) below the contact and of exterior (D_y, B_y); (1, 4, b)."""
     result = np.zeros((1, 4, within.size))
-    result[..., within] = part
+    result[..., within] = interior
     result[0][2:, ~within] = exterior
     return result
 
@@ -87,83 +83,77 @@ class SolvedPoint:
     columns: Array  # Sizes of the columns of the operators; (column,)
     over_size: Array  # Densities at the nodes over their size; (field, n)
     gap: Array  # (n,)
-    thinned: Array  # Factor by which the finite punch weakens the gap's field; (n,)
+    end_factor: Array  # Factor by which the finite punch weakens the gap's field; (n,)
     conductance: Array  # Density over its size per potential, times the gap over the profile's; (field, n)
     media: Array  # eps0 and mu0 of the conducted fields; (field,)
 
     @classmethod
     def of(cls, states: PointStates, case: int) -> Self:
-        """One of solved contacts."""
+        """Solution of one case."""
         return cls(
             states.operators, float(states.radius[case]), float(states.size[case] / states.radius[case]),
-            states.columns[case], states.over_size[case], states.gap[case], states.thinned[case],
+            states.columns[case], states.over_size[case], states.gap[case], states.end_factor[case],
             states.terms.conductance[case], states.media[case],
         )  # fmt: skip
 
     @property
     def exterior_densities(self) -> Array:
-        """D_y and B_y at the nodes beside the contact; (field, n)."""
+        """D_y and B_y at the exterior nodes; (field, n)."""
         return self.over_size * self.operators.rings.size
 
     @cached_property
     def _series(self) -> Array:
-        """Coefficients of all but the profile's closed part, at the exact radius; (channel, n)."""
+        """Coefficients in f_n of the tractions without the profile's closed part, at the exact radius; (channel, n)."""
         return np.asarray(self.operators.series(self.radius) @ self.columns)
 
     @cached_property
     def density(self) -> Density:
-        """Below the punch, over C a^(e-1)."""
-        form = self._of_channels(-2 / np.pi * self.operators.inverse[:, 0])[None]
-        series = self._of_channels(self._series)[None]
+        """Densities below the punch, over C a^(e-1)."""
+        form = self._expanded(-2 / np.pi * self.operators.inverse[:, 0])[None]
+        series = self._expanded(self._series)[None]
         strengths = series @ (-1.0) ** np.arange(series.shape[2])
         return Density(self.operators.shape, strengths, form, series)
 
     def tractions(self, ratio: float, turned: Array | None = None) -> AirPointTractions:
-        """On the whole surface, at rest but for charges beside the contact.
-
-        turned: (field, n), densities of cos(angle) over C a^(e-1) and their size; None: none.
-        """
+        """Tractions on the whole surface; ``turned``: exterior densities of cos(angle) over size, (field, n)."""
         rings, unit = self.operators.rings, self.unit
         grid, density = rings.grid, self.density.times(np.full(3, unit))
-        S = self.over_size @ rings.gathered.T
-        odd = np.zeros_like(S) if turned is None else turned @ rings.turned.gathered.T
+        S = self.over_size @ rings.abel.T
+        odd = np.zeros_like(S) if turned is None else turned @ rings.turned.abel.T
         sides = np.zeros((2, 2, grid.count))
         sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (unit / np.pi)
         return AirPointTractions(np.array([ratio]), density, np.zeros(1), exterior_charges=Charges(grid, sides))
 
     def surface_tractions(self, r: Array) -> Array:
-        """sigma_yy, D_y and B_y at r/a, never 1; (3, place)."""
+        """Return sigma_yy, D_y and B_y at r/a, which is never 1; (3, position)."""
         distance = np.abs(r)
         within = distance < 1
-        inner = distance[within]
+        inner, rings = distance[within], self.operators.rings
         result = np.zeros((3, r.size))
         x = np.sqrt((1 - inner) * (1 + inner))
-        result[:, within] = self.bounded(inner, self.operators.rings.poisson(x)) + self.left[:, None] / x
+        result[:, within] = self.bounded(inner, rings.poisson(x)) + self._edge_strengths[:, None] / x
         for field_, over_size in zip(self.operators.rows.fields, self.over_size, strict=True):
-            result[1 + field_, ~within] = self.operators.rings.read(distance[~within]) @ over_size
+            result[1 + field_, ~within] = rings.interpolation(distance[~within]) @ over_size
         return result * self.unit
 
-    def bounded(self, r: Array, drawn: Array) -> Array:
-        """Tractions below the contact over C a^(e-1), without their singular part at the edge; (3, place).
-
-        r: (place,), r/a, 0 to 1; drawn: (place, n), what rings draw there.
-        """
+    def bounded(self, r: Array, induced: Array) -> Array:
+        """Bounded part of tractions at r/a < 1 over C a^(e-1), (3, position); ``induced``: ``Rings.poisson`` there."""
         x = np.sqrt((1 - r) * (1 + r))
         result = self._series @ added_forms(x, self._series.shape[1]).T
         result -= 2 / np.pi * self.operators.inverse[:, :1] * halfspace_form(self.operators.shape, x, r)
-        result[1:] += self.over_size @ drawn.T
-        return self._of_channels(result)
+        result[1:] += self.over_size @ induced.T
+        return self._expanded(result)
 
-    @cached_property
-    def left(self) -> Array:
-        """Strengths at the edge, over C a^(e-1): none but of the emptiest gaps; (3,)."""
+    @property
+    def _edge_strengths(self) -> Array:
+        """Strengths at the edge over C a^(e-1), (3,): zero unless the gap's field reaches its limit (points, 6)."""
         result = self._series @ (-1.0) ** np.arange(self._series.shape[1])
         result[0] = 0.0
         result[1:] -= 2 / np.pi * self.over_size @ self.operators.rings.at_edge
-        return self._of_channels(result)
+        return self._expanded(result)
 
-    def _of_channels(self, values: Array) -> Array:
-        """Values of the channels among those of (y, phi, psi), others 0."""
+    def _expanded(self, values: Array) -> Array:
+        """Expand values of the channels to those of (y, phi, psi), others 0; (3, ...)."""
         result = np.zeros((3, *values.shape[1:]))
         result[self.operators.rows.channels] = values
         return result

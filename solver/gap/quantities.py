@@ -1,4 +1,4 @@
-"""Every quantity of contacts with air beside them by its name (theory section 10)."""
+"""Quantities of line contacts in air by their names (theory section 10)."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -22,90 +22,87 @@ from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY
 from solver.names import RESPONSES
 from solver.twoport import Compliance
 
-_AIR_NODES, _FEW = 12, 6  # half-lengths of a window, 3e-7 between them, and of a part of it, 1e-9
-_PART, _BEYOND = 0.1, 0.015  # of log h: length of a part, and its overlap with the next one; air moves a contact less
+_WINDOW_NODES, _PART_NODES = 12, 6  # half-lengths of a window, 3e-7 between them, and of a part of it, 1e-9
+_PART, _OVERLAP = 0.1, 0.015  # length of a part in log h, and its overlap with the next: air moves a contact less
 
 
 @cached
 def _air_window(kind: Kind, number: int, reach: float, part: int | None = None) -> AirTable:
-    """Table of a window, or of the part of it about a half-length."""
+    """Table of a window, or of a part of its range, for charges up to the distance ``reach``."""
     whole = window(kind, number)
     if part is None:
-        return AirTable(replace(whole, nodes=_AIR_NODES), reach)
-    lower, upper = np.exp([part * _PART - _BEYOND, (part + 1) * _PART + _BEYOND]).tolist()
-    # zero potentials move a contact by a hundredth: few powers read as far beyond the ends without loss
-    return AirTable(replace(whole, lower=lower, upper=upper, nodes=_FEW), reach, clipped=False)
+        return AirTable(replace(whole, nodes=_WINDOW_NODES), reach)
+    lower, upper = np.exp([part * _PART - _OVERLAP, (part + 1) * _PART + _OVERLAP]).tolist()
+    # zero potentials move a contact by a hundredth: polynomials of low degree extrapolate that far without loss
+    return AirTable(replace(whole, lower=lower, upper=upper, nodes=_PART_NODES), reach, clipped=False)
 
 
 def quantities(films: Films, permittivity: Array) -> dict[str, Array]:
-    """Quantities by the names of ``solver.names``, as without air, with those that only a gap has; (case,) each.
-
-    Edge intensities are absent: those of fields that the air carries do not exist, those of others are 0.
-    """
+    """Quantities by the names of ``solver.names``, (case,) each; contacts in air have no edge intensities."""
     is_charged = bool(np.any(films.charges))
     uncharged = films.with_charges(np.zeros_like(films.charges)) if is_charged else films
     parts = [
-        (places, _of_uncharged(contacts) | ({} if is_charged else _of_contacts(films.part(places), contacts)))
-        for places, contacts in _in_air(uncharged, permittivity)
+        (cases, _of_uncharged(contacts) | ({} if is_charged else _of_contacts(films.part(cases), contacts)))
+        for cases, contacts in _in_air(uncharged, permittivity)
     ]
     whole = joined(parts, films.load.size)
     if is_charged:
         charged = _in_air(films, permittivity)
-        parts = [(places, _of_contacts(films.part(places), contacts)) for places, contacts in charged]
+        parts = [(cases, _of_contacts(films.part(cases), contacts)) for cases, contacts in charged]
         whole |= joined(parts, films.load.size)
     return whole
 
 
 def solutions(films: Films, permittivity: Array) -> Iterator[tuple[int, LineSolution]]:
-    """Every case with its solution; arguments and refusals of :func:`quantities`."""
-    for places, contacts in _in_air(films, permittivity):
-        yield from zip(places.tolist(), contacts.solutions(), strict=True)
+    """Yield every case with its solution, or refuse as :func:`quantities` does."""
+    for cases, contacts in _in_air(films, permittivity):
+        yield from zip(cases.tolist(), contacts.solutions(), strict=True)
 
 
 def _in_air(films: Films, permittivity: Array) -> Iterator[tuple[Indices, AirContacts]]:
-    """Yield cases on films of unit thickness with the table of their window, as many as are solved at once."""
+    """Yield groups of cases that are solved at once, with contacts on films of unit thickness that share a table."""
     films.require_one_length()
     air = np.stack([VACUUM_PERMITTIVITY * permittivity, np.full_like(permittivity, VACUUM_PERMEABILITY)], 1)
-    for places, number, contact in films.parts:
+    for cases, number, contact in films.parts:
         ends = contact.table.system, contact.table.lower, contact.table.upper
-        usual, reaches = grid_of(*ends).panels, farthest(contact, air[places])
+        usual, reaches = grid_of(*ends).panels, farthest(contact, air[cases])
         for reach in np.unique(reaches).tolist():
-            alike = np.flatnonzero(reaches == reach)
+            members = np.flatnonzero(reaches == reach)
             # all contacts of a window share a table if they can
             farther = reach if grid_of(*ends, reach).panels > usual else 0.0
-            alike = alike[np.argsort(contact.half_width[alike], kind="stable")]
-            first, last = np.floor(np.log(contact.half_width[alike[[0, -1]]]) / _PART).astype(int).tolist()
+            members = members[np.argsort(contact.half_width[members], kind="stable")]
+            first, last = np.floor(np.log(contact.half_width[members[[0, -1]]]) / _PART).astype(int).tolist()
             if first == last:
-                near = AirContacts(
-                    _air_window(films.kind, number, farther, first), contact.part(alike), air[places[alike]]
-                )
-                if alike.size <= together(near.states()) and near.within:
-                    yield places[alike], near
+                table = _air_window(films.kind, number, farther, first)
+                contacts = AirContacts(table, contact.part(members), air[cases[members]])
+                if members.size <= together(contacts.states()) and contacts.within:
+                    yield cases[members], contacts
                     continue
             table = _air_window(films.kind, number, farther)
-            count = together(AirContacts(table, contact.part(alike), air[places[alike]]).states())
-            for start in range(0, alike.size, count):
-                some = alike[start : start + count]
-                yield places[some], AirContacts(table, contact.part(some), air[places[some]])
+            count = together(AirContacts(table, contact.part(members), air[cases[members]]).states())
+            for start in range(0, members.size, count):
+                block = members[start : start + count]
+                yield cases[block], AirContacts(table, contact.part(block), air[cases[block]])
 
 
 def _of_uncharged(contacts: AirContacts) -> dict[str, Array]:
     """Potentials per load, and charges per load at zero potential, of contacts without charges; (case,) each."""
-    idle, scale, out = contacts.solved, contacts.contact.scale, dict[str, Array]()
-    for field in idle.states.frame.fields:
+    uncharged, scale, out = contacts.solved, contacts.contact.scale, dict[str, Array]()
+    for field in uncharged.states.frame.fields:
         j = 1 + field
-        loads = contacts.held((field == 0, field == 1), idle).states.loads
-        out[RESPONSES[field][1]] = idle.tangents[:, j, 0] * scale[1 + j] * scale[1]
+        loads = contacts.held((field == 0, field == 1), uncharged).states.loads
+        out[RESPONSES[field][1]] = uncharged.tangents[:, j, 0] * scale[1 + j] * scale[1]
         out[RESPONSES[field][2]] = loads[:, j] / loads[:, 0] * scale[1] / scale[1 + j]
     return out
 
 
 def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
+    """Quantities of contacts with their charges; (case,) each."""
     result, h, scale = contacts.solved, films.thickness, contacts.contact.scale
     states, table = result.states, contacts.table
-    others = table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+    reported = table.outputs.reported.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
     half, exponent = h * states.half, contacts.contact.exponent
-    stresses, pressures, within = np.split(others, [2, 2 + SAMPLES.size], 1)
+    stresses, pressures, within = np.split(reported, [2, 2 + SAMPLES.size], 1)
     out = edges(half, states.centre) | {
         "pressure_exponent": np.full_like(half, exponent),
         "depth": h * states.response.values[:, 0] * scale[1],
@@ -120,9 +117,9 @@ def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
         out[names[3]], out[names[4]] = port.stroke, port.blocked_force
         out[names[5]] = 1 / (result.at_fixed_contact[:, j, field] * scale[1 + j] ** 2)
     if 0 in states.frame.fields:
-        place = states.frame.fields.index(0)
-        densities = within.reshape(half.size, len(states.frame.fields), -1, WITHIN)[:, place]
-        exterior = _largest_exterior(contacts, place)
+        electric = states.frame.fields.index(0)
+        densities = within.reshape(half.size, len(states.frame.fields), -1, WITHIN)[:, electric]
+        exterior = _largest_exterior(contacts, electric)
         out["nominal_field"] = np.abs(out["voltage"]) / (h * films.kind.stack.above_ground)
         out["capacitance_at_load"] = Compliance.of(tangents, 0).capacitance
         out["peak_displacement"] = np.maximum(peak_of_panels(densities), exterior) / scale[2]
@@ -130,11 +127,11 @@ def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
     return out
 
 
-def _largest_exterior(contacts: AirContacts, place: int) -> Array:
-    """Largest density of a field beside contacts, in the units of the stack; (case,)."""
+def _largest_exterior(contacts: AirContacts, row: int) -> Array:
+    """Largest exterior density of the conducted field number ``row``, in the units of the stack; (case,)."""
     states, grid = contacts.solved.states, contacts.table.operators.grid
     nodes = grid.count // grid.panels
-    densities = (states.over_size[:, place] * contacts.table.size).reshape(states.half.size, -1, grid.panels, nodes)
+    densities = (states.over_size[:, row] * contacts.table.size).reshape(states.half.size, -1, grid.panels, nodes)
     at_edge = np.max(np.abs(densities[:, :, 0] @ grid.edge[:nodes]), 1)
     finite = densities[:, :, :-1].reshape(states.half.size, -1, nodes)
     return np.asarray(np.maximum(peak_of_panels(finite), at_edge))

@@ -1,13 +1,6 @@
-"""Operators of point contacts with rings of charge around them, at given radii (points, 6).
+"""Linear operators of point contacts in air and of their exterior charges, tabulated over the radius (points, 6).
 
-Everything is linear in the causes u0 = (-depth, V, Psi) and g of the contact and in the densities at the nodes beside
-it. Lengths are in contact radii, displacements over C a^e and tractions over C a^(e-1), as in :mod:`solver.point`: a
-half-space is then the same at every radius. Below the contact chi is given, so that S at Gauss's nodes solves a system
-of the second kind; beside it gap and potentials are what chi leaves from its value at the edge.
-
-On layers the operators are tabulated over the radius. One table serves every sphere, force, charge and permittivity.
-A call that needs few radii has narrow tables, which are quick to make, another one tables of half a decade: the choice
-depends on the call alone.
+Lengths are in contact radii, displacements over C a^e and tractions over C a^(e-1), as in :mod:`solver.point`.
 """
 
 from dataclasses import dataclass
@@ -34,9 +27,9 @@ from solver.point.system import added_forms
 from solver.point.table import PointKind, interval
 from solver.stack.wavenumbers import strip
 
-_FIRST, _MORE = 14, 6.0  # nodes of S below a narrow contact, and the growth of their number with the width
-_POWER = 3  # of the nodes where the profile is a power of s that is not even
-_GRADED, _STEEP = 4, 20  # power of those that crowd about both ends, and how many more they are
+_FIRST, _GROWTH = 14, 6.0  # nodes of S below a narrow contact, and the growth of their number with its width
+_POWER = 3  # grades nodes towards the apex, where the profile may be a power of s that is not even
+_GRADED_POWER, _GRADED_NODES = 4, 20  # grades nodes towards apex and edge; additional nodes of the graded rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +41,8 @@ class ContactRule:
 
     @classmethod
     def of(cls, reach: float, *, even: bool = True) -> Self:
-        """Enough nodes to resolve layers of width a/reach, for even functions of s or for powers.
-
-        Those for even functions serve products of odd ones, too.
-        """
-        count = _FIRST + int(_MORE * (np.sqrt(reach) + reach))
+        """Rule that resolves layers of width a/reach, for even functions of s (products of odd ones) or any powers."""
+        count = _FIRST + int(_GROWTH * (np.sqrt(reach) + reach))
         x, w = legendre_rule(2 * count)
         if even:
             return cls(x[count:], w[count:])
@@ -62,9 +52,9 @@ class ContactRule:
     @property
     def graded(self) -> Self:
         """Rule refined towards both ends: for integrands kinked at the apex and logarithmic at the edge."""
-        x, w = legendre_rule(self.nodes.size + _STEEP)
+        x, w = legendre_rule(self.nodes.size + _GRADED_NODES)
         t = (1 + x) / 2
-        half, weights = t**_GRADED / 2, w * _GRADED * t ** (_GRADED - 1) / 4
+        half, weights = t**_GRADED_POWER / 2, w * _GRADED_POWER * t ** (_GRADED_POWER - 1) / 4
         return type(self)(np.concatenate([half, 1 - half]), np.concatenate([weights, weights]))
 
     @property
@@ -87,10 +77,10 @@ class ContactRule:
         return np.asarray(2 / np.pi * series @ values)
 
 
-_APART = 4.0  # growth of the distances from the target at which rules break
-#: x = sqrt(1 - r^2) below the contact at which densities are output: panels, graded to the edge, and the centre.
+_BREAK_RATIO = 4.0  # of successive distances from a target at which rules break
+#: x = sqrt(1 - r^2) below the contact at which densities are output: panels graded to the edge, and the centre.
 _ENDS = (0.0, 0.004, 0.012, 0.035, 0.1, 0.25, 0.55, 1.0)
-WITHIN = 8  # of them a panel
+WITHIN = 8  # nodes of a panel
 X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 
@@ -98,16 +88,16 @@ X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 class Rows:
     """Layout of the operator matrix: outputs by row, causes and charge densities by column.
 
-    Behind the loads and the edge's strengths come u less that at the edge beside the contact, by channel and node, then
-    pressures at ``SAMPLES`` but for an edge's, and each field's densities at ``X_WITHIN``.
+    Rows: loads, edges, exterior (u_y, phi, psi) less those at the edge, pressures at ``SAMPLES``, densities of each
+    field at ``X_WITHIN``.
     """
 
     fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
-    nodes: int  # Number of nodes beside the contact
+    nodes: int  # Number of exterior nodes
 
     @cached_property
     def channels(self) -> list[int]:
-        """y and the potentials of the fields among (y, phi, psi)."""
+        """Indices of y and of the conducted fields' potentials among (y, phi, psi)."""
         return [0, *(1 + f for f in self.fields)]
 
     @cached_property
@@ -117,38 +107,38 @@ class Rows:
 
     @cached_property
     def columns(self) -> int:
-        """Causes, then the densities of every field."""
+        """Number of columns: causes, then the densities of every field."""
         return self.causes + len(self.fields) * self.nodes
 
-    def densities(self, place: int) -> slice:
-        """Columns of the densities of a field, by its place."""
-        return slice(self.causes + place * self.nodes, self.causes + (place + 1) * self.nodes)
+    def densities(self, row: int) -> slice:
+        """Columns of the densities of the conducted field number ``row``."""
+        return slice(self.causes + row * self.nodes, self.causes + (row + 1) * self.nodes)
 
     @cached_property
     def loads(self) -> slice:
-        """-(P, T, J) over C a^(e+1) of the channels."""
+        """Rows of -(P, T, J) over C a^(e+1)."""
         return slice(0, len(self.channels))
 
     @cached_property
     def edges(self) -> slice:
-        """S of the channels just within the edge."""
+        """Rows of S just within the edge."""
         return slice(len(self.channels), 2 * len(self.channels))
 
 
 @dataclass(frozen=True, eq=False)
 class RingOperators:
-    """Contacts of one shape and conduction on one stack, or on a half-space."""
+    """Operators of contacts of one shape and conduction on one stack, or on a half-space."""
 
     rings: Rings
-    fields: tuple[int, ...]
-    compliance: Array
+    fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
+    compliance: Array  # N of the contact; (3, 3)
     shape: Shape
-    layers: SurfaceKernel | None = None
-    width: float = np.inf
+    layers: SurfaceKernel | None = None  # Lambda; None: a half-space
+    width: float = np.inf  # Distance over which the layers' kernels vary
 
     @cached_property
     def rows(self) -> Rows:
-        """Places of the outputs."""
+        """Layout of the matrix."""
         return Rows(self.fields, self.rings.grid.count)
 
     def matrix(self, radius: float) -> Array:
@@ -157,34 +147,34 @@ class RingOperators:
         below = ContactRule.of(radius / self.width)
         count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
         closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
-        S, added = self._layered(radius, below, closed, self.rings.grid.distance)
-        edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - added[:, count])
-        # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
-        of_power = inverse[:, 0] * self.shape.rise
-        closed[..., profile] = of_power[:, None]
+        S, by_layers = self._layered(radius, below, closed, self.rings.grid.distance)
+        edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - by_layers[:, count])
+        # S of the profile is profile_S s^e: profile_S (1 - s^e), whose tractions are closed, less than at the edge
+        profile_S = inverse[:, 0] * self.shape.rise
+        closed[..., profile] = profile_S[:, None]
         S += closed
         loads = 4 * np.einsum("n,inc->ic", below.weights, S)
-        loads[:, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
-        raised = self.rings.raised @ self.chi_beside(added[:, count:], edge)
+        loads[:, profile] -= 4 * profile_S * self.shape.exponent / (self.shape.exponent + 1)
+        exterior = self.rings.displacement @ self.exterior_chi(by_layers[:, count:], edge)
         coefficients = below.series @ S
         pressure = -added_forms(SAMPLES, count) @ coefficients[0]
         pressure[:, profile] += inverse[0, 0] * self._form(SAMPLES)
-        parts = [loads, edge, raised.reshape(-1, rows.columns), pressure]
-        for place in range(len(self.fields)):
-            loads[1 + place, rows.densities(place)] += 4 * self.rings.totals
-            within = added_forms(X_WITHIN, count) @ coefficients[1 + place]
-            within[:, rows.densities(place)] += _drawn(self.rings)
-            within[:, profile] -= inverse[1 + place, 0] * self._form(X_WITHIN)
+        parts = [loads, edge, exterior.reshape(-1, rows.columns), pressure]
+        for row in range(len(self.fields)):
+            loads[1 + row, rows.densities(row)] += 4 * self.rings.totals
+            within = added_forms(X_WITHIN, count) @ coefficients[1 + row]
+            within[:, rows.densities(row)] += _induced_within(self.rings)
+            within[:, profile] -= inverse[1 + row, 0] * self._form(X_WITHIN)
             parts.append(within)
         return np.concatenate(parts)
 
     @cached_property
     def profile(self) -> Array:
-        """Gap of the profile over C a^e where the surface is flat, at the nodes; (n,)."""
+        """Gap over C a^e between the profile and a flat exterior surface at the nodes; (n,)."""
         return self.shape.rise * self.rings.power(self.shape.exponent)
 
     def series(self, radius: float) -> Array:
-        """Coefficients in f_n (points, 4) of the tractions but for the profile's closed part; (channel, n, column)."""
+        """Coefficients in f_n (points, 4) of the tractions without the profile's closed part; (channel, n, column)."""
         below = ContactRule.of(radius / self.width)
         closed = np.einsum("ij,jnc->inc", self.inverse, self._prescribed(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
@@ -192,56 +182,46 @@ class RingOperators:
         return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
 
     def _form(self, x: Array) -> Array:
-        """Pressure of a half-space of N^-1 = 1; zero if it has no largest value."""
+        """Pressure of a half-space of N^-1 = 1 at x; zero if it has no largest value."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
 
-    def _layered(self, radius: float, below: ContactRule, closed: Array, beside_it: Array) -> tuple[Array, Array]:
-        """Contribution of the layers to S below the contact, and to N S at its nodes, the edge and exterior places.
-
-        Smooth and even, also where the profile is a power that is not; (channel, node, column) each.
-        """
+    def _layered(self, radius: float, below: ContactRule, closed: Array, exterior: Array) -> tuple[Array, Array]:
+        """Layers' part of S at ``below``, and of N S there, at the edge and at ``exterior``; (channel, s, column)."""
         rows, count = self.rows, below.nodes.size
-        size = len(rows.channels)
-        added = np.zeros((size, count + 1 + beside_it.size, rows.columns))
+        by_layers = np.zeros((len(rows.channels), count + 1 + exterior.size, rows.columns))
         if self.layers is None:
-            return np.zeros_like(closed), added
-        targets = np.concatenate([below.nodes, [1.0], beside_it])
-        for place, by_density in enumerate(self.from_exterior(radius, targets)):
-            added[..., rows.densities(place)] = by_density
+            return np.zeros_like(closed), by_layers
+        targets = np.concatenate([below.nodes, [1.0], exterior])
+        for row, by_density in enumerate(self.from_exterior(radius, targets)):
+            by_layers[..., rows.densities(row)] = by_density
         kernels = self.within(radius, targets, below)
-        added += summed(kernels, closed)
-        if self.shape.exponent % 2:
+        by_layers += summed(kernels, closed)
+        if self.shape.exponent % 2:  # the profile is not even; what the layers add is
             fine = ContactRule.of(radius / self.width, even=False)
             power = self.inverse[:, :1] * self._prescribed(fine.nodes)[0, :, rows.causes - 1]
-            added[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
-        return self.settled(kernels, added)
+            by_layers[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
+        return self.balanced(kernels, by_layers)
 
-    def chi_beside(self, added: Array, edges: Array) -> Array:
-        """Chi at the nodes beside the contact less that at the edge; (channel, n, column), densities the last columns.
-
-        added: (channel, 1 + n, column), what layers add to chi at the edge and at the nodes; edges: (channel,
-        column), S just within the edge.
-        """
+    def exterior_chi(self, by_layers: Array, edges: Array) -> Array:
+        """Return chi at the exterior nodes less chi at the edge; (channel, n, column)."""
+        # by_layers: (channel, 1 + n, column), the edge first; edges: (channel, column), S within; densities come last
         nodes, fields = self.rows.nodes, len(self.fields)
         S = np.repeat(-edges[:, None], nodes, axis=1)
         densities = S[..., edges.shape[1] - fields * nodes :].reshape(1 + fields, nodes, fields, nodes)
-        for place in range(fields):
-            densities[1 + place, :, place] += self.rings.gathered
-        return np.asarray(added[:, 1:] - added[:, :1] + np.tensordot(self.channel_compliance, S, 1))
+        for row in range(fields):
+            densities[1 + row, :, row] += self.rings.abel
+        return np.asarray(by_layers[:, 1:] - by_layers[:, :1] + np.tensordot(self.channel_compliance, S, 1))
 
-    def settled(self, kernels: Array, added: Array) -> tuple[Array, Array]:
-        """S that balances the layers' contribution at the nodes below the contact, and the layers' total contribution.
-
-        own: (channel, channel, target, node), from S at the nodes to targets, these nodes first; added: (channel,
-        target, column), at the targets without that S.
-        """
+    def balanced(self, kernels: Array, by_layers: Array) -> tuple[Array, Array]:
+        """Return S below the contact that keeps chi there, (channel, n, column), and the layers' chi at the targets."""
+        # kernels: (channel, channel, target, n), of which the first n targets lie below the contact; by_layers:
+        # (channel, target, column), the layers' chi without that S
         size, count = len(kernels), kernels.shape[-1]
-        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count)) + np.moveaxis(
-            kernels[:, :, :count], 1, 2
-        )
-        S = np.linalg.solve(matrix.reshape(size * count, -1), -added[:, :count].reshape(size * count, -1))
+        matrix = np.einsum("ij,mn->imjn", self.channel_compliance, np.eye(count))
+        matrix += np.moveaxis(kernels[:, :, :count], 1, 2)
+        S = np.linalg.solve(matrix.reshape(size * count, -1), -by_layers[:, :count].reshape(size * count, -1))
         S = S.reshape(size, count, -1)
-        return S, added + summed(kernels, S)
+        return S, by_layers + summed(kernels, S)
 
     @cached_property
     def inverse(self) -> Array:
@@ -254,109 +234,103 @@ class RingOperators:
         return self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
 
     def _prescribed(self, nodes: Array) -> Array:
-        """chi below the contact; (channel, node, column)."""
+        """Return chi below the contact; (channel, node, column)."""
         rows = self.rows
         result = np.zeros((len(rows.channels), nodes.size, rows.columns))
-        for place in range(len(rows.channels)):
-            result[place, :, place] = 1.0
+        for channel in range(len(rows.channels)):
+            result[channel, :, channel] = 1.0
         result[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
         return result
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Pairs of (y, phi, psi) that the channels use, and the index of each two channels among them."""
-        used, places = np.unique(CHANNEL[np.ix_(self.rows.channels, self.rows.channels)], return_inverse=True)
-        return used, places.reshape(2 * (len(self.rows.channels),))
+        """Pairs of (y, phi, psi) that the channels use, and the pair's index for each two channels."""
+        used, index = np.unique(CHANNEL[np.ix_(self.rows.channels, self.rows.channels)], return_inverse=True)
+        return used, index.reshape(2 * (len(self.rows.channels),))
 
     @cached_property
-    def _added(self) -> SurfaceKernel:
+    def _pair_kernels(self) -> SurfaceKernel:
         """Kernels of the layers for the pairs in use."""
         assert self.layers is not None
         return self.layers.of(self._pairs[0])
 
-    def _paired(self, kernels: Array) -> Array:
-        """Kernels of the channels, from those of their pairs; (channel, channel, target, node)."""
+    def _by_channels(self, kernels: Array) -> Array:
+        """Arrange kernels of pairs, (target, node, pair), as (channel, channel, target, node)."""
         return np.moveaxis(kernels[..., self._pairs[1]], (2, 3), (0, 1))
 
     def within(self, radius: float, targets: Array, below: ContactRule) -> Array:
         """Kernels of the layers from S below the contact to targets s (target,); (channel, channel, target, node)."""
         distances = np.stack([np.abs(targets[:, None] - below.nodes), targets[:, None] + below.nodes])
-        near, far = self._added.at(radius * distances)
-        return self._paired(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
+        near, far = self._pair_kernels.at(radius * distances)
+        return self._by_channels(radius / np.pi * (near + self.rings.parity * far) * below.weights[:, None])
 
     def from_exterior(self, radius: float, targets: Array) -> list[Array]:
-        """Kernel matrices of the layers from each field's exterior densities over size; (channel, target, node).
-
-        One rule per panel suffices for kernels that are smooth over it, and for the opposite side everywhere.
-        """
-        grid, (s, share) = self.rings.grid, self.rings.rule
+        """Kernel matrices of the layers from each field's exterior densities over size; (channel, target, node)."""
+        # one rule per panel suffices for kernels that are smooth over it, and for the opposite side everywhere
+        grid, (s, weights) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
         ends = np.cosh(self.rings.ends)
         broken = np.diff([np.searchsorted(row, ends, side="right") for row in breaks], axis=1) > 0
-        kernels = self.rings.parity * self._added.at(radius * (targets[:, None, None] + s))
+        kernels = self.rings.parity * self._pair_kernels.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
-        kernels[row, panel] += self._added.at(radius * np.abs(targets[row, None] - s[panel]))
-        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
+        kernels[row, panel] += self._pair_kernels.at(radius * np.abs(targets[row, None] - s[panel]))
+        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ weights, -1, -2)  # (target, panel, node, pair)
         row, panel, start, stop = pieces(self.rings.ends, np.arccosh(breaks), broken)
-        s, share = self.rings.ruled(panel, start, stop)
-        near = self._added.at(radius * np.abs(targets[row, None] - s))
-        add_pieces(result, row, panel, np.swapaxes(share, 1, 2) @ near)
+        s, weights = self.rings.ruled(panel, start, stop)
+        near = self._pair_kernels.at(radius * np.abs(targets[row, None] - s))
+        add_pieces(result, row, panel, np.swapaxes(weights, 1, 2) @ near)
         size = self.rings.size.reshape(grid.panels, -1, 1)
-        kernels = self._paired((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
-        return [kernels[:, 1 + place] @ self.rings.gathered for place in range(len(self.fields))]
+        kernels = self._by_channels((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
+        return [kernels[:, 1 + row] @ self.rings.abel for row in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:
-        """Break points of the rules around targets, rising, padded with the edge; (target, break).
-
-        Farther from a target than it is from the axis, panels are short enough.
-        """
+        """Break points of the rules around targets, rising, padded with the edge; (target, break)."""
         far = float(np.cosh(self.rings.ends[-1]))
-        gaps = self.width / radius * _APART ** np.arange(-1, 40.0)
-        gaps = np.concatenate([[0.0], gaps[gaps < far]])
-        offsets = np.concatenate([-gaps[1:], gaps])
-        places = targets[:, None] + offsets
-        used = (np.abs(offsets) < np.maximum(targets, 1.0)[:, None]) & (places > 1) & (places < far)
-        return np.sort(np.where(used, places, 1.0), 1)
+        distances = self.width / radius * _BREAK_RATIO ** np.arange(-1, 40.0)
+        distances = np.concatenate([[0.0], distances[distances < far]])
+        offsets = np.concatenate([-distances[1:], distances])
+        s = targets[:, None] + offsets
+        # farther from a target than it is from the axis, panels are short enough
+        used = (np.abs(offsets) < np.maximum(targets, 1.0)[:, None]) & (s > 1) & (s < far)
+        return np.sort(np.where(used, s, 1.0), 1)
 
 
 def summed(kernels: Array, S: Array) -> Array:
-    """Kernels (channel, channel, target, node) of S (channel, node, column); (channel, target, column)."""
+    """Sum kernels (channel, channel, target, node) times S (channel, node, column); (channel, target, column)."""
     return np.asarray(np.tensordot(kernels, S, ((1, 3), (0, 1))))
 
 
 @cached
-def _drawn(rings: Rings) -> Array:
-    """Density below the contact induced by the rings; (x, n)."""
+def _induced_within(rings: Rings) -> Array:
+    """Density at ``X_WITHIN`` that exterior charges induce; (x, n)."""
     return rings.poisson(X_WITHIN)
-
-
-_NODES, _FEW = 18, 8  # radii of half a decade and of a part: errors are 1e-12, and 1e-9 in derivatives
 
 
 @dataclass(frozen=True, eq=False)
 class RingTable:
-    """Operators between two radii, by Chebyshev's polynomials in log a; on a half-space the same at every radius."""
+    """Operators between two radii, interpolated by Chebyshev polynomials in log a."""
 
     exact: RingOperators
-    interval: Interval | None = None
+    interval: Interval | None = None  # Range of log a; None: a half-space, the same at every radius
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Outputs; others: those from the pressures on."""
+        """Outputs at the interval's points; pressures and densities below the contact are only reported."""
         log_radii = np.zeros(1) if self.interval is None else self.interval.points
         result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
         rows = self.exact.rows
         return SplitOutputs.of(result, rows.edges.stop + len(rows.channels) * rows.nodes, self.interval)
 
     def holds(self, log_radii: Array) -> BoolArray:
-        """Return True for radii between the ends."""
+        """Return True for each radius within the table; (case,)."""
         if self.interval is None:
             return np.ones(log_radii.shape, dtype=bool)
         return (self.interval.low <= log_radii) & (log_radii <= self.interval.high)
 
 
-_PART, _BEYOND = 0.11, 0.015  # of log a: length of a part, and its overlap with the next one; air moves a contact less
-_SINGLE_PARTS = 2  # parts of half a decade that are made by themselves: the next one has as many radii as the whole
+_NODES, _PART_NODES = 18, 8  # radii of half a decade and of a part of it: errors are 1e-12, and 1e-9 in derivatives
+_PART, _OVERLAP = 0.11, 0.015  # length of a part in log a, and its overlap with the next: air moves a contact less
+_SINGLE_PARTS = 2  # most parts of half a decade that get their own tables: three have more radii than the whole
 
 
 @cached
@@ -372,22 +346,22 @@ def _operators(kind: PointKind, reach: float) -> RingOperators:
     return RingOperators(rings(reach), fields, kind.compliance, kind.shape, normal_kernel(stack), strip(stack))
 
 
-def part_of(ratios: Array) -> Indices:
-    """Part of log a that holds radii over the thickness."""
+def _part_of(ratios: Array) -> Indices:
+    """Number of the part of log a that contains each ratio of radius to thickness."""
     return np.asarray(np.floor(np.log(ratios) / _PART), dtype=np.intp)
 
 
 def crowded(ratios: Array) -> set[int]:
-    """Half decades in which the contacts of one call have radii over the thickness in many parts."""
-    pairs = np.unique(np.stack([number_of(ratios), part_of(ratios)]), axis=1)
+    """Half decades of which the contacts of one call, at ratios of radius to thickness, need a whole table."""
+    pairs = np.unique(np.stack([number_of(ratios), _part_of(ratios)]), axis=1)
     numbers, parts = np.unique(pairs[0], return_counts=True)
     return set(numbers[parts > _SINGLE_PARTS].tolist())
 
 
 def ends_of(ratio: float, *, wide: bool) -> Interval:
-    """Range of log a for the table about a radius over the thickness: a half decade, or a part of it."""
+    """Range of log a for the table around a ratio of radius to thickness: a half decade, or a part of it."""
     ratios = np.array([ratio])
     if wide:
         return interval(int(number_of(ratios)[0]), _NODES)
-    part = int(part_of(ratios)[0])
-    return Interval(part * _PART - _BEYOND, (part + 1) * _PART + _BEYOND, _FEW)
+    part = int(_part_of(ratios)[0])
+    return Interval(part * _PART - _OVERLAP, (part + 1) * _PART + _OVERLAP, _PART_NODES)

@@ -1,12 +1,4 @@
-"""A sliding point contact with air beside it: the change of its state at rest to first order in friction.
-
-The gap's law of points, 6, about the state at rest: with D = D_0 + D_1 cos(angle) and the gap g_0 + g_1 cos(angle),
-lengths in contact radii, end the punch's radius, c the shift,
-
-    D_1 g_0 + D_0 [g_1 + g_0 2 c r / (end^2 + r^2)] = eps0 end^2 / (end^2 + r^2) phi_1,
-
-and the same with B, mu0 and psi. Linear in c and D_1, with a smooth edge of the pressure.
-"""
+"""Sliding point contacts in air: the change of the state at rest to first order in friction (points, 8)."""
 
 import warnings
 from collections.abc import Sequence
@@ -33,14 +25,17 @@ from solver.point.sliding import FirstOrderWarning
 from solver.point.slidingpressure import ray_of, turned_pressures
 from solver.point.tractions import Density
 
-SHIFT, RUBBED, CAUSES = 0, 1, 2  # columns before the densities
+SHIFT, FRICTION, CAUSES = 0, 1, 2  # columns before the densities
 _EDGE = np.ones(1)
-_NEAREST = 1e-13  # to the edge that the integral over the fall of the pressure looks
-_RATIO = 0.35  # of its pieces, and their nodes
+_NEAREST, _RATIO = 1e-13, 0.35  # smallest distance from edge or apex of the panels of H, and ratio of their lengths
+_RULE = 12  # nodes of a panel
+_DENSITY_PER_S = 2 / np.pi
+_PANELS_IN_B = 6.0  # per contact radius over the strip's width
+_ENDS_IN_X = np.append(0.0, 0.4 ** np.arange(9, -1, -1.0))  # of panels in x = sqrt(1 - r^2) below the contact
 
 
-def _left(pressed: Density, theta: Array) -> Array:
-    """H[phi_sigma] at cosh(theta) less that at the edge, by the fall of phi: no difference of near numbers; (n,)."""
+def _hilbert_beyond(pressed: Density, theta: Array) -> Array:
+    """Return H[phi_sigma] at cosh(theta) less its value at the edge, (n,), by phi' to avoid cancellation."""
     count = int(np.log(_NEAREST) / np.log(_RATIO))
     near, weights = gauss(np.append(0.0, _RATIO ** np.arange(count, -1, -1.0) / 2), _RULE)  # from the edge, or the apex
     from_edge = np.concatenate([near, 1 - near])
@@ -50,24 +45,18 @@ def _left(pressed: Density, theta: Array) -> Array:
     return np.asarray(-(kernel @ (two_weights * pressed.falling(1 - from_edge)[0, 0])) / np.pi)
 
 
-_PART = 2 / np.pi  # a density per S
-_PARTS = 6.0  # panels in b per radius over the distance that layers vary over
-_ENDS, _RULE = np.append(0.0, 0.4 ** np.arange(9, -1, -1.0)), 12  # of pieces in x below the contact, and their nodes
-
-
 @dataclass(frozen=True, eq=False)
 class SlidingPoint:
-    """The first order of one contact in friction, in the units of the body.
+    """First-order change of one contact by friction, in the units of the body.
 
-    Columns are a unit shift c/a, friction eta = 1 below the contact at rest, and the densities of cos(angle) at the
-    exterior nodes. Below the contact chi is that of the shifted profile, s^(e-1), or none. Friction adds
-    k (pi/2) H[phi_sigma], which is steep on both sides of the edge: the part of it without layers stays in closed form.
+    Columns are a unit shift c/a, friction eta = 1 on the pressure at rest, and the exterior densities of cos(angle).
+    The half-space's part of friction stays in closed form, since H[phi_sigma] is steep on both sides of the edge.
     """
 
     at_rest: SolvedPoint
-    friction: float
-    coupling: Array
-    sheared: SurfaceKernel | None = None
+    friction: float  # eta
+    coupling: Array  # k of the contact; (3,)
+    shear_layers: SurfaceKernel | None = None  # Lambda_x; None: a half-space
 
     @cached_property
     def response(self) -> Response:
@@ -76,7 +65,7 @@ class SlidingPoint:
 
     @cached_property
     def _operators(self) -> RingOperators:
-        """Operators of what varies as cos(angle)."""
+        """Operators of fields that vary as cos(angle)."""
         return replace(self.at_rest.operators, rings=self.at_rest.operators.rings.turned)
 
     @property
@@ -84,13 +73,13 @@ class SlidingPoint:
         return self._operators.rows
 
     @property
-    def _carried(self) -> list[int]:
-        """Conducted fields among the channels (sigma_yy, D_y, B_y)."""
+    def _conducted(self) -> list[int]:
+        """Indices of the conducted fields among (sigma_yy, D_y, B_y)."""
         return self._rows.channels[1:]
 
     @property
     def rings(self) -> Rings:
-        """Rings of the part that varies as cos(angle)."""
+        """Rings whose densities vary as cos(angle)."""
         return self._operators.rings
 
     # -- columns -------------------------------------------------------------------------------------------------------
@@ -98,133 +87,120 @@ class SlidingPoint:
     def _columns(self) -> int:
         return CAUSES + len(self._rows.fields) * self._rows.nodes
 
-    def _of_field(self, place: int) -> slice:
-        """Columns of the densities of a field, by its place."""
-        return slice(CAUSES + place * self._rows.nodes, CAUSES + (place + 1) * self._rows.nodes)
+    def _density_columns(self, row: int) -> slice:
+        """Columns of the densities of the conducted field number ``row``."""
+        return slice(CAUSES + row * self._rows.nodes, CAUSES + (row + 1) * self._rows.nodes)
 
     @cached_property
     def _below(self) -> ContactRule:
-        """Nodes below the contact."""
+        """Quadrature below the contact."""
         return ContactRule.of(self.at_rest.radius / self._operators.width)
 
     @cached_property
     def _exterior(self) -> tuple[Array, Array]:
-        """S just within the edge, and beside the contact u_y less the shifted profile and the potentials.
-
-        (channel, column) and (channel, n, column).
-        """
+        """S just within the edge, (channel, column), and exterior u_y less profile, phi, psi, (channel, n, column)."""
         count, rings, pressed = self._below.nodes.size, self.rings, self.at_rest.density
         coupling, exponent = self.response.coupling[self._rows.channels] * np.pi / 2, self.response.shape.exponent
         edge_chi = exponent * self.response.shape.rise  # of the shifted profile
-        added = self._layered[1]
+        by_layers = self._layered[1]
         chi = np.zeros((len(self._rows.channels), self._columns))
         chi[0, SHIFT] = edge_chi
-        chi[:, RUBBED] = -coupling * pressed.turned(_EDGE)[0, 0, 0]
-        edges = self._operators.inverse @ (chi - added[:, count])
-        beside_it = self._operators.chi_beside(added[:, count:], edges)
-        beside_it[..., RUBBED] += coupling[:, None] * _left(pressed, rings.grid.theta)
-        raised = rings.raised @ beside_it
-        raised[0, :, SHIFT] -= edge_chi * rings.power(exponent - 1)
-        return edges, raised
+        chi[:, FRICTION] = -coupling * pressed.hilbert(_EDGE)[0, 0, 0]
+        edges = self._operators.inverse @ (chi - by_layers[:, count])
+        exterior_chi = self._operators.exterior_chi(by_layers[:, count:], edges)
+        exterior_chi[..., FRICTION] += coupling[:, None] * _hilbert_beyond(pressed, rings.grid.theta)
+        displaced = rings.displacement @ exterior_chi
+        displaced[0, :, SHIFT] -= edge_chi * rings.power(exponent - 1)
+        return edges, displaced
 
     @cached_property
     def _layered(self) -> tuple[Array, Array]:
-        """Contribution of the layers to S below the contact, and to N S there, at the edge and outside.
-
-        S at the nodes of ``_below``, without its closed part; (channel, node, column) each.
-        """
+        """Layers' part of S at ``_below`` and of N S there, at the edge and exterior nodes; (channel, node, column)."""
         radius, below, operators = self.at_rest.radius, self._below, self._operators
         targets = np.concatenate([below.nodes, _EDGE, self.rings.grid.distance])
-        added = np.zeros((len(self._rows.channels), targets.size, self._columns))
-        if self.sheared is None:
-            return added[:, : below.nodes.size], added
-        for place, by_density in enumerate(operators.from_exterior(radius, targets)):
-            added[..., self._of_field(place)] = by_density
+        by_layers = np.zeros((len(self._rows.channels), targets.size, self._columns))
+        if self.shear_layers is None:
+            return by_layers[:, : below.nodes.size], by_layers
+        for row, by_density in enumerate(operators.from_exterior(radius, targets)):
+            by_layers[..., self._density_columns(row)] = by_density
         graded = below.graded
-        added[..., :CAUSES] = summed(operators.within(radius, targets, graded), self._closed(graded.nodes))
-        added[..., RUBBED] += self._pulled(radius, targets, graded)
-        return operators.settled(operators.within(radius, targets, below), added)
+        by_layers[..., :CAUSES] = summed(operators.within(radius, targets, graded), self._closed(graded.nodes))
+        by_layers[..., FRICTION] += self._by_shear(radius, targets, graded)
+        return operators.balanced(operators.within(radius, targets, below), by_layers)
 
     def _closed(self, s: Array) -> Array:
-        """S of a half-space below the contact, of shift and friction, at s (s,) from 0 to 1; (channel, s, 2)."""
-        along, moved = self.response.answers
-        rubbed = -along[:, None] * self.at_rest.density.turned(s)[0, 0]
-        columns = [moved[:, None] * s ** (self.response.shape.exponent - 1), rubbed]
+        """S of a half-space below the contact at s (s,) from 0 to 1, by shift and friction; (channel, s, 2)."""
+        by_friction, by_shift = self.response.factors
+        columns = [
+            by_shift[:, None] * s ** (self.response.shape.exponent - 1),
+            -by_friction[:, None] * self.at_rest.density.hilbert(s)[0, 0],
+        ]
         return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
 
-    def _pulled(self, radius: float, targets: Array, rule: ContactRule) -> Array:
-        """Contribution of the layers to the channels by the shear traction; (channel, target)."""
-        assert self.sheared is not None
+    def _by_shear(self, radius: float, targets: Array, rule: ContactRule) -> Array:
+        """Layers' part of chi at ``targets`` that the shear traction causes; (channel, target)."""
+        assert self.shear_layers is not None
         weights = -radius / 2 * self.at_rest.density.at(rule.nodes)[0, 0] * rule.weights
         distance = targets[:, None] - rule.nodes
-        kernels = np.sign(distance)[..., None] * self.sheared.at(radius * np.abs(distance))
-        kernels += self.sheared.at(radius * (targets[:, None] + rule.nodes))
+        kernels = np.sign(distance)[..., None] * self.shear_layers.at(radius * np.abs(distance))
+        kernels += self.shear_layers.at(radius * (targets[:, None] + rule.nodes))
         return np.asarray(np.einsum("tbi,b->it", kernels, weights)[self._rows.channels])
 
     # -- solution ------------------------------------------------------------------------------------------------------
     @cached_property
     def _weights(self) -> Array:
-        """Sizes of the columns per unit of friction; (column,)."""
-        state, rows, profile, (edges, raised) = self.at_rest, self._rows, self.at_rest.operators.profile, self._exterior
+        """Sizes of the columns per unit of friction, from the smooth edge and the gap's law (P8.5); (column,)."""
+        state, rows, profile = self.at_rest, self._rows, self.at_rest.operators.profile
+        edges, displaced = self._exterior
         law = np.empty((1 + len(rows.fields) * rows.nodes, self._columns))
         law[0] = edges[0]
-        for place, at_rest in enumerate(state.over_size):
-            rows_of_field = law[1 + place * rows.nodes : 1 + (place + 1) * rows.nodes]
-            rows_of_field[:] = (
-                -(at_rest / profile)[:, None] * raised[0] - state.conductance[place, :, None] * raised[1 + place]
-            )
-            rows_of_field[:, SHIFT] += at_rest * state.gap / profile * self._widened
-            rows_of_field[:, self._of_field(place)][np.diag_indices(rows.nodes)] += state.gap / profile
-        unknown = np.delete(np.arange(law.shape[1]), RUBBED)
+        for row, at_rest in enumerate(state.over_size):
+            field_law = law[1 + row * rows.nodes : 1 + (row + 1) * rows.nodes]
+            field_law[:] = -(at_rest / profile)[:, None] * displaced[0]
+            field_law -= state.conductance[row, :, None] * displaced[1 + row]
+            field_law[:, SHIFT] += at_rest * state.gap / profile * self._end_factor_rate
+            field_law[:, self._density_columns(row)][np.diag_indices(rows.nodes)] += state.gap / profile
+        unknown = np.delete(np.arange(law.shape[1]), FRICTION)
         result = np.ones(law.shape[1])
-        result[unknown] = solved(law[:, unknown], -law[:, RUBBED])
+        result[unknown] = solved(law[:, unknown], -law[:, FRICTION])
         return result
 
     @property
-    def _slides(self) -> bool:
-        return self.friction != 0
-
-    @property
-    def _widened(self) -> Array:
+    def _end_factor_rate(self) -> Array:
         """Relative change of the gap law's factor 1 + r^2/end^2 for a unit shift; (n,)."""
-        return np.asarray(2 * (1 - self.at_rest.thinned) / self.rings.grid.distance)
+        return np.asarray(2 * (1 - self.at_rest.end_factor) / self.rings.grid.distance)
 
     @property
     def shift(self) -> float:
-        """c over the contact radius."""
-        return float(self.friction * self._weights[SHIFT]) if self._slides else 0.0
+        """Shift c of the contact over its radius."""
+        return float(self.friction * self._weights[SHIFT]) if self.friction else 0.0
 
     @cached_property
     def over_size(self) -> Array:
-        """D_y and B_y of cos(angle) over C a^(e-1) at the nodes, over their size; (field, n)."""
-        densities = self.friction * self._weights[CAUSES:] if self._slides else np.zeros(self._columns - CAUSES)
+        """D_y and B_y of cos(angle) at the nodes, over C a^(e-1) and over ``size``; (field, n)."""
+        densities = self.friction * self._weights[CAUSES:] if self.friction else np.zeros(self._columns - CAUSES)
         return densities.reshape(len(self._rows.fields), self._rows.nodes)
 
     @cached_property
     def exterior_densities(self) -> tuple[Array, Array]:
-        """Densities D_y and B_y of cos(angle) at the nodes, and the gap's field as a density, over C a^(e-1).
-
-        (field, n) each.
-        """
-        densities, thinned = self.over_size * self.rings.size, self.at_rest.thinned
-        return densities, densities / thinned + self.at_rest.exterior_densities / thinned * self.shift * self._widened
+        """D_y and B_y of cos(angle) at the nodes, and eps0 E and mu0 H of the gap, over C a^(e-1); (field, n) each."""
+        densities, end_factor = self.over_size * self.rings.size, self.at_rest.end_factor
+        by_shift = self.at_rest.exterior_densities / end_factor * self.shift * self._end_factor_rate
+        return densities, densities / end_factor + by_shift
 
     @property
     def reach(self) -> float:
-        """Largest field in the gap over that at which the surface gives way to its charge, 1/r of half-spaces.
-
-        A gap's field cannot go beyond it, which the first order does not know.
-        """
-        N, channels, (_, turned) = self._operators.compliance, self._carried, self.exterior_densities
-        at_rest = self.at_rest.exterior_densities / self.at_rest.thinned
-        yielding = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self.at_rest.media
-        return float(max(np.max(yielding[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
+        """Largest field in the gap over its limit 1/r_1 (points, 6), which the first order can exceed."""
+        N, channels, (_, turned) = self._operators.compliance, self._conducted, self.exterior_densities
+        at_rest = self.at_rest.exterior_densities / self.at_rest.end_factor
+        over_limit = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self.at_rest.media
+        return float(max(np.max(over_limit[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
     # -- tractions -----------------------------------------------------------------------------------------------------
     @cached_property
     def series(self) -> Array:
         """Coefficients of P_n(2 b - 1) in psi without its closed part, over C a^(e-1); (3, n)."""
-        if not self._slides:
+        if not self.friction:
             return np.zeros((3, 1))
         result = np.zeros((3, 2 * self._below.nodes.size))
         S = self._layered[0] @ (self.friction * self._weights)
@@ -232,13 +208,13 @@ class SlidingPoint:
         return result
 
     def sines(self, b: Array) -> Array:
-        """psi over C a^(e-1) below the contact at b (b,) from 0 to 1; (3, b)."""
-        closed = self.response.closed(self.friction * self.at_rest.density.turned(b)[0, 0], b, np.array(self.shift))
+        """Density psi over C a^(e-1) below the contact at b (b,) from 0 to 1; (3, b)."""
+        closed = self.response.closed(self.friction * self.at_rest.density.hilbert(b)[0, 0], b, np.array(self.shift))
         return np.asarray(closed + self.series @ legendre(b, self.series.shape[1]).T)
 
     def tractions(self, ratio: float) -> AirPointTractions:
-        """On the whole surface."""
-        if not self._slides:
+        """Tractions on the whole surface; ``ratio`` is the radius over the unit of the body's lengths."""
+        if not self.friction:
             return self.at_rest.tractions(ratio)
 
         def sines(b: Array, columns: Indices) -> Array:
@@ -249,112 +225,92 @@ class SlidingPoint:
 
     # -- parts of the quantities, over C a^(e-1) -----------------------------------------------------------------------
     def along(self, field: int | None) -> Array:
-        """A traction along the ray of :mod:`solver.point.slidingpressure`: at rest, and of cos(angle); (2, place).
-
-        Without what is singular at the edge.
-        """
+        """Bounded part of D, B or pressure (None) on the ray of ``ray_of``, at rest and of cos(angle); (2, point)."""
         shape, channel = self._operators.shape, 0 if field is None else 1 + field
-        ray, rubbed = ray_of(shape), self.at_rest.density.times(np.full(3, self.friction))
+        ray, sheared = ray_of(shape), self.at_rest.density.times(np.full(3, self.friction))
         shift, series = np.array([self.shift]), self.series[None, channel]
-        turned = turned_pressures(self.response, rubbed, shift, series, channel)[0]
-        at_rest = self.at_rest.bounded(ray.r, _drawn(self.at_rest.operators.rings, shape))[channel]
+        turned = turned_pressures(self.response, sheared, shift, series, channel)[0]
+        at_rest = self.at_rest.bounded(ray.r, _induced_on_ray(self.at_rest.operators.rings, shape))[channel]
         if field is None:
             return np.stack([-at_rest, turned])
         densities = self.over_size[self._rows.fields.index(field)]
-        edge = self.sines(np.ones(1))[channel, 0]
-        return np.stack([at_rest, edge * ray.x / ray.r - turned + _drawn(self.rings, shape) @ densities])
+        edge = self.sines(_EDGE)[channel, 0]
+        return np.stack([at_rest, edge * ray.x / ray.r - turned + _induced_on_ray(self.rings, shape) @ densities])
 
     @property
     def weighted(self) -> tuple[Array, Array, Array]:
-        """Nodes b, below the contact and beside it; weights times phi, and times eta phi_sigma and psi.
-
-        (b,), (3, b) and (4, b).
-        """
+        """Nodes b below and outside the contact, (b,), weights times phi, (3, b), and (eta phi_sigma, psi), (4, b)."""
         reach = self.at_rest.radius / self._operators.width
-        rule = hankel.nodes(parts=4 + int(_PARTS * reach), kinked=True)
-        far, share = self.rings.rule
+        rule = hankel.nodes(parts=4 + int(_PANELS_IN_B * reach), kinked=True)
+        exterior_b, rule_weights = self.rings.rule
         within = np.concatenate([self.at_rest.density.at(rule.b)[0], self.sines(rule.b)])
-        exterior = np.zeros((2, 3, far.size))
+        exterior = np.zeros((2, 3, exterior_b.size))
         at_rest, turned = (self.at_rest.operators.rings, self.at_rest.over_size), (self.rings, self.over_size)
-        for number, (panels, densities) in enumerate((at_rest, turned)):
-            S = (densities @ panels.gathered.T / panels.size).reshape(len(densities), panels.grid.panels, -1)
-            exterior[number, self._carried] = np.einsum("psn,fpn->fps", share, S).reshape(len(densities), -1)
-        weights = np.concatenate([within * rule.weights, _PART * exterior.reshape(6, -1)], 1)
-        return np.append(rule.b, far), weights[:3], np.concatenate([self.friction * weights[:1], weights[3:]])
+        for number, (rings, densities) in enumerate((at_rest, turned)):
+            S = (densities @ rings.abel.T / rings.size).reshape(len(densities), rings.grid.panels, -1)
+            exterior[number, self._conducted] = np.einsum("psn,fpn->fps", rule_weights, S).reshape(len(densities), -1)
+        weights = np.concatenate([within * rule.weights, _DENSITY_PER_S * exterior.reshape(6, -1)], 1)
+        return np.append(rule.b, exterior_b), weights[:3], np.concatenate([self.friction * weights[:1], weights[3:]])
 
     @property
     def moments(self) -> Array:
-        """int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
+        """Return int_0^1 (t s + t_1 s^2) ds of (sigma_yy, D_y, B_y) below the contact; (3,)."""
         rule = hankel.nodes(kinked=True)
         result = (self.at_rest.density.at(rule.b)[0] + 2 * rule.b * self.sines(rule.b)) @ rule.weights
-        result[self._carried] += self.at_rest.over_size @ _held(self.at_rest.operators.rings)
-        result[self._carried] += self.over_size @ _held(self.rings)
+        result[self._conducted] += self.at_rest.over_size @ _induced_moment(self.at_rest.operators.rings)
+        result[self._conducted] += self.over_size @ _induced_moment(self.rings)
         return np.asarray(result)
 
     @property
-    def just_beside(self) -> Array:
-        """(0, D_y, B_y) just outside the trailing edge; (3,)."""
+    def trailing_charges(self) -> Array:
+        """Charges (0, D_y, B_y) of the surface just outside the trailing edge; (3,)."""
         result = np.zeros(3)
-        result[self._carried] = (self.at_rest.over_size + self.over_size) @ self.rings.grid.edge
+        result[self._conducted] = (self.at_rest.over_size + self.over_size) @ self.rings.grid.edge
         return result
 
 
 @cached
-def _drawn(transforms: Rings, shape: Shape) -> Array:
-    """Density along the ray induced by the rings; (place, n)."""
-    return transforms.poisson(ray_of(shape).x)
+def _induced_on_ray(rings: Rings, shape: Shape) -> Array:
+    """Density on the ray of ``ray_of`` that exterior charges induce; (point, n)."""
+    return rings.poisson(ray_of(shape).x)
 
 
 @cached
-def _held(transforms: Rings) -> Array:
+def _induced_moment(rings: Rings) -> Array:
     """Moment of the charge that rings induce below the contact, less the part of S within; (n,)."""
-    x, weights = gauss(_ENDS, _RULE)
+    x, weights = gauss(_ENDS_IN_X, _RULE)
     r = np.sqrt((1 - x) * (1 + x))
-    return np.asarray(
-        (weights * x * r**transforms.order) @ transforms.poisson(x)
-        - _PART * (2 / 3) ** transforms.order * transforms.at_edge
-    )
-
-
-_MOST_REACH = 1.1  # of the gap's field, beyond which a warning says that it is not reached
+    of_edge = _DENSITY_PER_S * (2 / 3) ** rings.order * rings.at_edge
+    return np.asarray((weights * x * r**rings.order) @ rings.poisson(x) - of_edge)
 
 
 def largest_within(slid: Sequence[SlidingPoint | None], field: int | None, at_rest: Array) -> Array:
-    """Largest abs(D_y) (0), abs(B_y) (1) or pressure (None) below contacts, over C a^(e-1); (case,).
-
-    What is singular at the edge is left out, as at rest; at the apex of exponents below 2 it is that at rest.
-    """
+    """Largest bounded abs(D_y) (0), abs(B_y) (1) or pressure (None) below contacts, over C a^(e-1); (case,)."""
     result, signs = np.array(at_rest), (1.0,) if field is None else (1.0, -1.0)
     for case, contact in enumerate(slid):
         if contact is not None and contact.friction:
             along, ray = contact.along(field), ray_of(contact.at_rest.operators.shape)
             tops = (float(ray.top(*(sign * along[:, None]))[0]) for sign in signs)
-            result[case] = max(result[case], *tops)
+            result[case] = max(result[case], *tops)  # the ray leaves out the apex of exponents below 2
     return result
 
 
-def largest_beside(states: PointStates, slid: Sequence[SlidingPoint | None], place: int, *, gap: bool) -> Array:
-    """Largest density beside contacts, over C a^(e-1), or that which the gap's field would have at a plate; (case,).
-
-    On the finite panels, along the sliding direction.
-    """
+def largest_exterior(states: PointStates, slid: Sequence[SlidingPoint | None], row: int, *, gap: bool) -> Array:
+    """Largest exterior density along the sliding direction, or eps0 E of the gap, over C a^(e-1); (case,)."""
     rings = states.rings
-    at_rest = states.over_size[:, place] * rings.size / (states.thinned if gap else 1.0)
-    turned = np.stack(
-        [
-            np.zeros(states.layout.nodes) if contact is None else contact.exterior_densities[gap][place]
-            for contact in slid
-        ]
-    )
+    at_rest = states.over_size[:, row] * rings.size / (states.end_factor if gap else 1.0)
+    flat = np.zeros(states.layout.nodes)
+    turned = np.stack([flat if contact is None else contact.exterior_densities[gap][row] for contact in slid])
     sides = [(at_rest + sign * turned).reshape(len(slid), rings.grid.panels, -1)[:, :-1] for sign in (1.0, -1.0)]
     return np.maximum(*(peak_of_panels(side) for side in sides))
 
 
 def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:
-    """sigma_xx [Pa] just outside the trailing edge, with the surface's charges; units (3,) are those of the body."""
+    """Return sigma_xx [Pa] just outside the trailing edge, with the surface's charges; ``units`` (3,) of the body."""
     unit = slid.at_rest.unit / units
     first, third = (float(part[0] * slid.friction * unit[0]) for part in edge_sums(slid.at_rest.density))
-    result = rim.tension(slid.moments * unit, (np.array(first), np.array(third))) + rim.charged(slid.just_beside * unit)
+    result = rim.tension(slid.moments * unit, (np.array(first), np.array(third)))
+    result = result + rim.charged(slid.trailing_charges * unit)
     if isinstance(body, Film):
         b, plain, turned = slid.weighted
         added = added_tension(body.kind.film, rim, slid.at_rest.radius, b, plain, turned)
@@ -362,8 +318,11 @@ def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units
     return float(result)
 
 
+_MOST_REACH = 1.1  # largest ratio of the gap's field to its limit without a warning
+
+
 def warn_of_charges(reach: float) -> None:
-    """Warn by :class:`FirstOrderWarning` if the gap's field exceeds the field that a surface carries."""
+    """Warn by :class:`FirstOrderWarning` if the gap's field exceeds the limit of ``SlidingPoint.reach``."""
     if reach > _MOST_REACH:
         warnings.warn(
             f"friction: to its first order the field in the gap beside the edge is {reach:.2g} times that at which the "

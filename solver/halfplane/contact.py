@@ -1,7 +1,7 @@
-"""Contact of a rigid punch sliding with friction: extent, pressure scale, edge values (theory sections 3 and 4).
+"""Contact of a punch sliding with friction on a half-plane: extent, pressure scale, edge values (theory, 3 and 4).
 
-Arrays have the case axes first, aligned so that they broadcast; the fields' axis (electric, magnetic) is last where
-there is one. Each attribute has the smallest shape that it needs: the friction angle never sees radius or load.
+Case axes come first and broadcast, an axis of the fields (electric, magnetic) comes last. Each attribute has the
+smallest shape that it needs: the friction angle does not depend on radius or load.
 """
 
 from dataclasses import dataclass
@@ -20,19 +20,15 @@ from solver.halfplane.surface import HalfPlane
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Contact under one punch per case.
+    """Contact under one punch per case, with S and D of :mod:`solver.halfplane.shape` and s = ``slope_scale``.
 
-    Notes
-    -----
-    On the contact, with ``s = slope_scale``, ``q = (D_y, B_y)`` and S, D of :mod:`solver.halfplane.shape`:
-
-        lam sigma_yy = s S,    q = (s / lam) (eta d D - r S) + e0 / sqrt(1 - X^2).
+    lam sigma_yy = s S,    (D_y, B_y) = (s / lam) (eta d D - r S) + e0 / sqrt(1 - X^2).
     """
 
     sliding: Sliding
     profile: Profile
-    load: Array
-    charges: Array
+    load: Array  # P [N/m]; (...)
+    charges: Array  # T [C/m] and J [Wb/m]; (..., 2)
 
     @property
     def halfplane(self) -> HalfPlane:
@@ -56,7 +52,7 @@ class Contact:
 
     @property
     def shape(self) -> Shape:
-        """S, D and their transforms."""
+        """Pressure S, follower D and their transforms."""
         return self.pressing.shape
 
     @property
@@ -66,29 +62,29 @@ class Contact:
 
     @property
     def half_width(self) -> Array:
-        """h = (a + b)/2 [m]."""
+        """Half-width h = (a + b)/2 [m]."""
         return self.pressing.half_width
 
     @property
     def trailing(self) -> Array:
-        """a [m]: the trailing edge is x = a."""
+        """Position x = a of the trailing edge [m]."""
         return self.half_width * (1 + self.pressing.centre)
 
     @property
     def leading(self) -> Array:
-        """b [m]: the leading edge is x = -b."""
+        """Distance b of the leading edge x = -b [m]."""
         return self.half_width * (1 - self.pressing.centre)
 
     @cached_property
     def pressure_scale(self) -> Array:
-        """s / lam [Pa]: the unit of the contact stresses."""
+        """Unit s / lam of the contact stresses [Pa]."""
         return self.pressing.slope_scale / self.sliding.lam
 
     @cached_property
     def peak_pressure(self) -> Array:
-        """Largest contact pressure [Pa], of a contact with two smooth edges."""
+        """Largest contact pressure between two smooth edges [Pa]; (...)."""
         factor, delta = -self.shape.factor, self.angle.delta
-        if factor.shape[-1] == 1:  # it is largest at -2 delta
+        if factor.shape[-1] == 1:  # the maximum is at X = -2 delta
             weight = np.sqrt((1 - 2 * delta) * (1 + 2 * delta)) * np.exp(2 * delta * np.arctanh(2 * delta))
             return np.asarray(self.pressure_scale * self.angle.cos * weight * factor[..., 0])
         shape = np.broadcast_shapes(factor.shape[:-1], delta.shape)
@@ -98,34 +94,32 @@ class Contact:
 
     @cached_property
     def charge_density(self) -> Array:
-        """Strength e0 of the 1/sqrt(1 - X^2) part of (D_y, B_y) that carries the charges; (..., 2).
-
-        ``e0 = [(-T, -J) - r P] / (pi h)``; the friction part of the theory's e stands in D.
-        """
+        """Strength e0 = [(-T, -J) - r P] / (pi h) of the 1/sqrt(1 - X^2) part of (D_y, B_y); (..., 2)."""
+        # the friction part of e (theory, 3.4) is in D
         width, screening = np.pi * self.half_width, self.sliding.screening
         return _by_field(*(-(self.charges[..., j] + screening[..., j] * self.load) / width for j in range(2)))
 
     @cached_property
     def relative_charge_density(self) -> Array:
-        """e0 over the pressure scale; (..., 2), as small as the shape of the pressure where there are no charges."""
+        """e0 over the pressure scale, of the pressure's small shape if there are no charges; (..., 2)."""
         carried = -self.shape.total[..., None] * self.sliding.screening  # r P / (h pressure_scale)
         if np.any(self.charges):
             carried = carried + self.charges / (self.half_width * self.pressure_scale)[..., None]
         return -carried / np.pi
 
     def edge_intensity(self, edge: float) -> Array:
-        """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at a smooth edge, X = 1 trailing or -1 leading; (..., 2)."""
+        """Edge intensities lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at a smooth edge X = 1 or -1; (..., 2)."""
         follower = self.friction * self.shape.follower_at(edge) * self.pressure_scale
         root, screening = np.sqrt(np.pi * self.half_width), self.sliding.friction_screening
         return _by_field(*(root * (follower * screening[..., j] + self.charge_density[..., j]) for j in range(2)))
 
     def edge_stress(self, edge: float) -> Array:
-        """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (...)."""
+        """Stress sigma_xx on the free surface just outside a smooth edge X = 1 or -1 [Pa]; (...)."""
         slope = np.polynomial.polynomial.polyval(edge, np.moveaxis(self.pressing.slope, -1, 0))
         per_slope = self.halfplane.in_plane_stiffness * self.halfplane.tangential_compliance * self.friction
         return per_slope * self.pressure_scale * slope
 
 
 def _by_field(electric: Array, magnetic: Array) -> Array:
-    """Values of both fields along the last axis, the cases of each side by side in memory; (..., 2)."""
+    """Stack the values of both fields along the last axis, with cases contiguous in memory; (..., 2)."""
     return np.moveaxis(np.stack(np.broadcast_arrays(electric, magnetic)), 0, -1)

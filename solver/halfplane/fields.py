@@ -1,8 +1,7 @@
-"""Surface fields on both sides of the contact (theory section 5), at dimensionless positions X = (x - c)/h.
+"""Surface fields on both sides of the contact (theory, section 5), at dimensionless positions X = (x - c)/h.
 
 Every field times sqrt|1 - X^2| is ``pressure_scale * U + g * W``, where U depends on material, friction, profile and
-position only, g on the case without the position, and W on the position only: the large shapes see two products and a
-sum.
+position only, g on the case alone, and W on the position alone: large arrays take two products and a sum.
 """
 
 import numpy as np
@@ -12,10 +11,7 @@ from solver.halfplane.contact import Contact
 
 
 def surface_fields(contact: Contact, positions: Array, *, regular: bool = False) -> dict[str, Array]:
-    """Fields of every case at every position, (..., position) in the smallest shape; [Pa], [C/m2] and [T].
-
-    Those that are singular at the edges also times sqrt|1 - X^2| if `regular`: they are finite at a smooth edge.
-    """
+    """Fields by name, SI; if ``regular`` the singular ones times sqrt|1 - X^2|, too; (..., position) each."""
     half, sliding = contact.halfplane, contact.sliding
     inside, root, (S, S_root, HS, D_root, HD_root) = _shapes(contact, positions)
     within, beyond = inside.astype(np.float64), np.where(inside, 0.0, np.sign(positions))
@@ -24,7 +20,7 @@ def surface_fields(contact: Contact, positions: Array, *, regular: bool = False)
         components(v)
         for v in (sliding.friction_screening, sliding.screening, contact.charge_density, half.friction_coupling)
     )
-    # D_y, B_y; nothing outside the contact
+    # D_y, B_y; 0 outside the contact
     follow = [np.where(inside, eta * d[j] * D_root - r[j] * S_root, 0.0) for j in (0, 1)]
 
     # du_x/dx = -k.(sigma_yy, D_y, B_y) + (L^-1)_xx eta H[sigma_yy]
@@ -49,9 +45,9 @@ def surface_fields(contact: Contact, positions: Array, *, regular: bool = False)
         "stress_xx": (follow_xx, direct[1] * e[0] + direct[2] * e[1], within),
     }
     for j, name in enumerate(("electric_displacement_x", "magnetic_induction_x")):
-        (of_electric, of_magnetic), share = permittivity[j], shear_share[j]
-        shared = share * eta * S_root - of_electric * gradient[0] - of_magnetic * gradient[1]
-        singular[name] = shared, of_electric * carried[0] + of_magnetic * carried[1], beyond
+        (electric, magnetic), share = permittivity[j], shear_share[j]
+        shared = share * eta * S_root - electric * gradient[0] - magnetic * gradient[1]
+        singular[name] = shared, electric * carried[0] + magnetic * carried[1], beyond
     pressure = -scale * S
     fields = {"contact_pressure": pressure, "shear_traction": -eta * pressure}
     for name, (shared, strength, weight) in singular.items():
@@ -62,9 +58,9 @@ def surface_fields(contact: Contact, positions: Array, *, regular: bool = False)
 
 
 def _sum(pressed: Array, carried: Array) -> Array:
-    """Sum in the place of one of the parts if it has the whole shape: of two arrays of full size, one is enough."""
-    whole = np.broadcast_shapes(pressed.shape, carried.shape) == carried.shape
-    return np.add(pressed, carried, out=carried) if whole else np.asarray(pressed + carried)
+    """Sum of two arrays, in the memory of the second one if it has the full shape."""
+    full = np.broadcast_shapes(pressed.shape, carried.shape) == carried.shape
+    return np.add(pressed, carried, out=carried) if full else np.asarray(pressed + carried)
 
 
 def _shapes(contact: Contact, X: Array) -> tuple[BoolArray, Array, list[Array]]:

@@ -1,19 +1,14 @@
-"""Fields and potentials inside the half-plane (theory sections 5 and 6), at points ((x - c)/h, y/h), y <= 0.
+"""Fields and potentials inside the half-plane (theory, sections 5 and 6), at points ((x - c)/h, y/h), y <= 0.
 
-With the matrix ``Pi`` of :mod:`solver.halfplane.spectrum` and ``Z = A B^-1 = -S L^-1 - i L^-1``, the generalised
-displacement u and stress function phi (t_2 = phi,x) of surface tractions t are
+With ``Pi`` of :mod:`solver.halfplane.spectrum`, ``Z = A B^-1`` and the stress function phi, whose phi,x are the
+tractions (sigma_xy, sigma_yy, D_y, B_y), tractions t on the surface have
 
     [u,x; phi,x] = Re{ [Z; I] i H_t(x + y Pi) },   H_t(z) = (1/pi) int t(s)/(s - z) ds,   [u,y; phi,y] = N [u,x; phi,x].
 
-Every field is ``pressure_scale * U + sum_j charge_density_j * W_j``, as on the surface. The potentials, relative to the
-datum, are ``Re{[Z; I] i F(x + y Pi)}`` with the antiderivative that the logarithmic kernel asks for: with the reference
-length L, at the conjugate points z,
+Every field is ``pressure_scale * U + sum_j charge_density_j * W_j``. The potentials relative to the datum L are
+``Re{[Z; I] i F_t(x + y Pi)}`` with the antiderivative
 
     F_t(z) = -(1/pi) int t(s) log[(z - s) h / (i L)] ds,   F_t' = H_t,   F_t ~ -(1/pi) int t log[z h / (i L)] far away.
-
-The charges' F is closed. That of the pressure is integrated: far from the edges along the ray from infinity, where
-Gauss's rule converges at once, and near them from a point on that ray by the double exponential rule, which no edge
-troubles. On the contact of a conducting punch the potentials are those of :mod:`solver.halfplane.quantities`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -27,7 +22,7 @@ from solver.halfplane.contact import Contact
 from solver.halfplane.spectrum import spectrum
 from solver.halfplane.surface import HalfPlane
 
-#: What belongs to S, to D and to the charges, at points z.
+#: Functions of S, of D and of the charges at points z.
 Functions = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray, ComplexArray]]
 
 #: Fields that are linear in the tractions, in the order of the rows of :func:`field_rows`.
@@ -41,19 +36,19 @@ LINEAR = (
 
 @dataclass(frozen=True, eq=False)
 class InteriorParts:
-    """Fields of unit pressure scale and of unit charge densities; each in its smallest shape."""
+    """Fields per pressure scale and per charge density, each in its smallest shape."""
 
     of_load: Array  # U; (..., field, point)
     of_charges: tuple[Array, Array]  # W_0 (electric) and W_1 (magnetic); each (..., field, point)
 
     def whole(self, contact: Contact) -> Array:
-        """The fields of the contact, SI; (..., field, point)."""
+        """Fields of the contact, SI; (..., field, point)."""
         scale, e = contact.pressure_scale[..., None, None], contact.charge_density[..., None, None, :]
         return np.asarray(scale * self.of_load + e[..., 0] * self.of_charges[0] + e[..., 1] * self.of_charges[1])
 
 
 def interior_parts(contact: Contact, x: Array, y: Array, fields: tuple[str, ...]) -> InteriorParts:
-    """Parts of the named fields of ``LINEAR`` at points (x, y)."""
+    """Parts of the named fields of ``LINEAR`` at points (x, y); (point,) each."""
     return parts_of(contact, x, y, fields, lambda z: transforms(contact, z))
 
 
@@ -66,38 +61,36 @@ def transforms(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, Complex
 
 
 def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], functions: Functions) -> InteriorParts:
-    """Parts like :func:`interior_parts`, from other functions of z than :func:`transforms`."""
+    """Parts as of :func:`interior_parts`, with ``functions`` of z in place of :func:`transforms`."""
     half, sliding = contact.halfplane, contact.sliding
     nodes, weights = spectrum(half)
     rows = field_rows(half)[..., [LINEAR.index(name) for name in fields], :]
     blocks = np.concatenate([half.surface_impedance, np.broadcast_to(np.eye(4), half.surface_impedance.shape)], -2)
-    answers = (
-        1j * (rows @ blocks)[..., None, :, :] @ (weights * half.scale[..., None, None, :])
-    )  # (..., node, field, 4)
+    # fields per traction vector at the nodes; (..., node, field, 4)
+    responses = 1j * (rows @ blocks)[..., None, :, :] @ (weights * half.scale[..., None, None, :])
 
     zero, unit, eta, r = np.zeros(()), np.ones(()), contact.friction, sliding.screening
     d = eta[..., None] * sliding.friction_screening
-    pressed = _applied(answers, stack(eta, unit, -r[..., 0], -r[..., 1]))
-    followed = _applied(answers, stack(zero, zero, d[..., 0], d[..., 1]))
-    charged = [_applied(answers, np.eye(4)[2 + j]) for j in (0, 1)]
+    pressed = _applied(responses, stack(eta, unit, -r[..., 0], -r[..., 1]))
+    followed = _applied(responses, stack(zero, zero, d[..., 0], d[..., 1]))
+    charged = [_applied(responses, np.eye(4)[2 + j]) for j in (0, 1)]
 
-    load = np.zeros(())
-    charges = [np.zeros(()), np.zeros(())]
+    load, electric, magnetic = np.zeros(()), np.zeros(()), np.zeros(())
     for j in range(nodes.shape[-1]):
-        z = _conjugate_points(x, y, nodes[..., j])
-        of_S, of_D, of_charge = functions(z)
-        load = load + _real(pressed[..., j, :], of_S) + _real(followed[..., j, :], of_D)
-        charges = [sum_ - _real(density[..., j, :], of_charge) for sum_, density in zip(charges, charged, strict=True)]
-    return InteriorParts(load, (charges[0], charges[1]))
+        S, D, charge = functions(_conjugate_points(x, y, nodes[..., j]))
+        load = load + _real(pressed[..., j, :], S) + _real(followed[..., j, :], D)
+        electric = electric - _real(charged[0][..., j, :], charge)
+        magnetic = magnetic - _real(charged[1][..., j, :], charge)
+    return InteriorParts(load, (electric, magnetic))
 
 
-def _applied(answers: ComplexArray, traction: Array) -> ComplexArray:
-    """Answers to one traction vector, conjugated as the points are; (..., node, field)."""
-    return np.asarray(np.conj(answers @ traction[..., None, :, None])[..., 0])
+def _applied(responses: ComplexArray, traction: Array) -> ComplexArray:
+    """Fields of one traction vector (..., 4), conjugated like the points; (..., node, field)."""
+    return np.asarray(np.conj(responses @ traction[..., None, :, None])[..., 0])
 
 
 def _conjugate_points(x: Array, y: Array, p: ComplexArray) -> ComplexArray:
-    """Conjugates of x + p y: on or above the real axis, with the zero imaginary part of the surface positive."""
+    """Conjugates of x + p y, on or above the real axis, with +0 as imaginary part on the surface; (..., point)."""
     z = np.empty(np.broadcast_shapes(x.shape, y.shape, (*p.shape, 1)), np.complex128)
     z.real = x + p.real[..., None] * y
     z.imag = np.abs(p.imag[..., None] * y)
@@ -105,13 +98,13 @@ def _conjugate_points(x: Array, y: Array, p: ComplexArray) -> ComplexArray:
 
 
 def _real(coefficients: ComplexArray, values: ComplexArray) -> Array:
-    """Re(coefficients * values) as (..., field, point)."""
+    """Re(coefficients (..., field) * values (..., point)); (..., field, point)."""
     c, v = coefficients[..., :, None], values[..., None, :]
     return np.asarray(c.real * v.real - c.imag * v.imag)
 
 
 def with_derived(names: Sequence[str], linear: Callable[[tuple[str, ...]], Mapping[str, Array]]) -> dict[str, Array]:
-    """Fields by name, of which some follow from the four stresses: ``von_mises`` and ``principal_tension``."""
+    """Fields by name; ``von_mises`` and ``principal_tension`` are computed from the four stresses."""
     needed = [*(name for name in names if name not in _DERIVED), *(STRESSES if _DERIVED.keys() & set(names) else ())]
     fields = linear(tuple(dict.fromkeys(needed)))
     stresses = [fields.get(name) for name in STRESSES]
@@ -119,7 +112,7 @@ def with_derived(names: Sequence[str], linear: Callable[[tuple[str, ...]], Mappi
 
 
 def field_rows(half: HalfPlane) -> Array:
-    """Rows that give the fields of ``LINEAR`` from the scaled [u,x; phi,x], in SI units; (..., field, 8)."""
+    """Matrix from the scaled [u,x; phi,x] to the fields of ``LINEAR``, SI; (..., field, 8)."""
     m, N = half.material, half.stroh_matrix
     units = np.concatenate([half.scale, 1 / half.scale], -1)
     along = units[..., None] * np.eye(8)  # [u,x; phi,x]
@@ -153,8 +146,8 @@ _DERIVED: dict[str, Callable[..., Array]] = {"von_mises": von_mises, "principal_
 #: Components of the field whose negative integral each potential is.
 POTENTIALS = {"electric_potential": "electric_field_x", "magnetic_potential": "magnetic_field_x"}
 
-_FAR = 2.0  # |z| from which the ray is used: the edges are at 1
-_START: ComplexArray = np.array([2j])
+_FAR = 2.0  # |z| from which F is integrated along the ray from infinity: the edges are at 1
+_START: ComplexArray = np.array([2j])  # of the paths to points nearer than that
 _RAY, _RAY_WEIGHTS = ((a + b) / 2 for a, b in zip(np.polynomial.legendre.leggauss(32), (1.0, 0.0), strict=True))
 _STEP = 0.08
 _U: Array = np.asarray(_STEP * np.arange(-41, 42), dtype=np.float64)
@@ -173,7 +166,7 @@ def potentials(contact: Contact, x: Array, y: Array, datum: Array) -> Array:
 def _antiderivatives(
     contact: Contact, z: ComplexArray, ratio: Array
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """F of S, of D and of -1/sqrt(1 - X^2), at points z (..., point) above the real axis or on it."""
+    """F of S, of D and of -1/sqrt(1 - X^2) at points z (..., point), Im z >= 0; (..., point) each."""
     far = np.abs(z) >= _FAR
     far_S, far_D = _from_infinity(contact, np.where(far, z, _START))
     start_S, start_D = _from_infinity(contact, _START)
@@ -183,22 +176,20 @@ def _antiderivatives(
         path * np.sum(values.reshape(*values.shape[:-1], -1, LINE.size) * LINE_WEIGHTS, -1)
         for values in transforms(contact, line)[:2]
     )
-    of_S: ComplexArray = np.where(far, far_S, start_S + near_S)
-    of_D: ComplexArray = np.where(far, far_D, start_D + near_D)
+    S: ComplexArray = np.where(far, far_S, start_S + near_S)
+    D: ComplexArray = np.where(far, far_D, start_D + near_D)
     root: ComplexArray = np.sqrt(z - 1) * np.sqrt(z + 1)
     logarithm = ratio[..., None]
-    of_charge: ComplexArray = np.log((z + root) / 2j) + 0j + logarithm
-    return of_S - contact.shape.total[..., None] / np.pi * logarithm, of_D, of_charge
+    charge: ComplexArray = np.log((z + root) / 2j) + 0j + logarithm
+    return S - contact.shape.total[..., None] / np.pi * logarithm, D, charge
 
 
 def _from_infinity(contact: Contact, z: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """F of S, with h = L, and of D at points z (..., point) off the contact's disk, by the ray from infinity."""
+    """F of S, with h = L, and of D at points |z| >= 2 (..., point), by Gauss's rule along the ray from infinity."""
     ray = (z[..., None] / _RAY).reshape(*z.shape[:-1], -1)
     HS, HD, _ = transforms(contact, ray)
     total = contact.shape.total[..., None] / np.pi
     remainder = HS + total / ray
     steps = -z[..., None] / _RAY**2 * _RAY_WEIGHTS
-    of_S, of_D = (
-        np.sum(steps * values.reshape(*values.shape[:-1], *steps.shape[-2:]), -1) for values in (remainder, HD)
-    )
-    return of_S - total * np.log(z / 1j), of_D
+    S, D = (np.sum(steps * values.reshape(*values.shape[:-1], *steps.shape[-2:]), -1) for values in (remainder, HD))
+    return S - total * np.log(z / 1j), D

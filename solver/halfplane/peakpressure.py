@@ -5,28 +5,28 @@ from numpy.polynomial.chebyshev import chebvander
 
 from solver.arrays import Array
 
-_SCAN, _FEWEST = 2, 64  # points a coefficient, and their least number
-_RIVAL = 0.9  # of the highest point: how low a hill's may lie
+_SCAN, _FEWEST = 2, 64  # points per coefficient, and their least number
+_RIVAL = 0.9  # of the highest point: the least height of a climbed hill's
 _HILL_STEPS = 60
-_ANGLE_CLOSE = 1e-7  # in the angle: the pressure is flat there
+_ANGLE_CLOSE = 1e-7  # last step in the angle: the pressure is flat at its maximum
 
 
 def largest(series: Array, exponent: Array | float) -> Array:
-    """Largest pressures of series (case, coefficient) of f and exponents alpha, of each case or of all; (case,)."""
+    """Largest pressures for series f (case, coefficient) and one exponent alpha or one per case; (case,)."""
     A, size = np.broadcast_to(exponent, len(series)), max(_SCAN * series.shape[1], _FEWEST)
     grid = np.cos(np.pi * (np.arange(size) + 0.5) / size)
     weight = (1 - grid) ** A[:, None] * (1 + grid) ** (1 - A[:, None])
     values = weight * (series @ chebvander(grid, series.shape[1] - 1).T)
     padded = np.pad(values, ((0, 0), (1, 1)), constant_values=-np.inf)
     hill = (values >= padded[:, :-2]) & (values >= padded[:, 2:]) & (values >= _RIVAL * values.max(1, keepdims=True))
-    cases, places = np.nonzero(hill)
+    cases, points = np.nonzero(hill)
     highest = np.full(len(series), -np.inf)
-    np.maximum.at(highest, cases, _tops(series[cases], A[cases], np.arccos(grid[places]), np.pi / size))
+    np.maximum.at(highest, cases, _tops(series[cases], A[cases], np.arccos(grid[points]), np.pi / size))
     return highest
 
 
 def _tops(series: Array, A: Array, angle: Array, reach: float) -> Array:
-    """The tops of the hills within a reach of the points on them; (hill,)."""
+    """Largest pressures of hills within ``reach`` of the angles (hill,) of points on them; (hill,)."""
     B, orders = 1 - A, np.arange(series.shape[1])
     low, high = np.maximum(angle - reach, 0.0), np.minimum(angle + reach, np.pi)
     for _ in range(_HILL_STEPS):

@@ -1,13 +1,8 @@
 """Largest von Mises stress and largest principal stress of the body below a depth of 0.1 h, and their curves.
 
-In units of the half-width and of the pressure scale the stresses depend on material, friction, conduction, profile and
-on charges per load; nothing else. A scan over the body finds the local maxima of each such case, then Newton's
-iteration on difference quotients, batched over cases and maxima, climbs to their tops within the body. Stresses decay
-as 1/r, and a far field of one direction is largest at the least depth: the scan goes far only along that line.
-
-The curves are the stresses on panels tied to the edges of the contact. The coordinate s across is X up to the edges;
-beyond, X = 1 + (s - 1)/(2 - s), so that s = 2 at infinity. The coordinate of the depth, from 0 to 1, is even in the
-logarithm from 0.1 h to 2 h. No largest von Mises stress lies deeper, and no tension as large as one at the least depth.
+A scan over the body finds local maxima of each case, then Newton's iteration on difference quotients, batched over
+cases and maxima, climbs to their tops. Stresses decay as 1/r, and a far field of one direction is largest at the least
+depth: only there does the scan go far. The curves are the stresses on panels tied to the edges of the contact.
 """
 
 from collections.abc import Callable, Set
@@ -22,44 +17,46 @@ from solver.halfplane.interior import interior_parts, principal_tension, von_mis
 from solver.names import PEAKS
 
 DEPTH = 0.1  # of the half-width: the least depth
-_DEEPEST = 2.0  # of the half-width: the largest depth of the curves
+# of the half-width: the largest depth of the curves; deeper there is no largest von Mises stress, and no tension as
+# large as at the least depth
+_DEEPEST = 2.0
 _REGION = REGIONS["body"]
 _STRESSES = _REGION.fields[:4]
 _ACROSS = np.concatenate([np.linspace(0.0, 0.6, 7), 1 + np.linspace(-0.36, 0.36, 37), 1.36 * 1.5 ** np.arange(1, 6)])
-_AWAY: Array = np.asarray(6.0 * 1.5 ** np.arange(31), dtype=np.float64)
+_FAR: Array = np.asarray(6.0 * 1.5 ** np.arange(31), dtype=np.float64)
 _LEAST = np.array([-DEPTH])
 Grid = tuple[Array, Array]
 _BODY: Grid = (np.concatenate([-_ACROSS[:0:-1], _ACROSS]), np.asarray(-DEPTH * 1.4 ** np.arange(11)))
-_LINES: tuple[Grid, Grid] = ((_AWAY, _LEAST), (-_AWAY[::-1], _LEAST))
+_LINES: tuple[Grid, Grid] = ((_FAR, _LEAST), (-_FAR[::-1], _LEAST))
 _CHUNK = 4_000_000  # stresses of a scan held at a time
-_MAXIMA = 3  # local maxima of a scan that are climbed, the highest ones
-_RIVAL = 0.1  # of the largest stress: how far below the highest a local maximum of the scan is still climbed
+_MAXIMA = 3  # highest local maxima of a scan, which are climbed
+_RIVAL = 0.1  # of the largest stress: greatest distance of a climbed local maximum below the highest one
 _STEPS = 40
 _CLOSE = 1e-5  # step of Newton's iteration over distance to the edges and depth; the next is of its square
 _STENCIL = np.array([(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)], dtype=np.float64)
 _TINY = np.finfo(float).tiny
-_NOTHING = 1e-12  # of the pressure scale: a tension below it is none
+_NEGLIGIBLE = 1e-12  # of the pressure scale: tension that counts as 0
 
 Measure = Callable[[Array, Array, Array, Array], Array]
 
 
 def peaks(contact: Contact, requested: Set[str]) -> dict[str, Array]:
-    """Requested quantities of ``solver.names.PEAKS``, to 1e-9 of themselves; (...)."""
+    """Requested quantities of ``solver.names.PEAKS`` with relative errors of 1e-9; (...) each."""
     scale, out = contact.pressure_scale, dict[str, Array]()
     if {"peak_von_mises", "peak_von_mises_depth"} & requested:
         value, depth = _peak(contact, von_mises, *_starts(contact, von_mises, _BODY))
         out |= {"peak_von_mises": scale * value, "peak_von_mises_depth": contact.half_width * depth}
     if "peak_principal_tension" in requested:  # 0, that of points far away, where no tension is found
         value, _ = _peak(contact, principal_tension, *_starts(contact, principal_tension, _BODY, *_LINES))
-        out["peak_principal_tension"] = np.where(value < _NOTHING, 0.0, scale * value)
+        out["peak_principal_tension"] = np.where(value < _NEGLIGIBLE, 0.0, scale * value)
     return {name: out[name] for name in PEAKS if name in requested}
 
 
 def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array, Array]:
     """Largest measure over the pressure scale, and its depth over h, from starting points (..., start)."""
     reach, moved = np.full_like(x, 0.2), np.full_like(x, np.inf)
-    highest = np.stack([x, y, np.full_like(x, -np.inf)])  # place and measure of every start, so far
-    ended: BoolArray = np.zeros_like(x, dtype=bool)  # such a climb stays: no answer depends on the cases beside it
+    highest = np.stack([x, y, np.full_like(x, -np.inf)])  # position and measure of the best point of every climb
+    ended: BoolArray = np.zeros_like(x, dtype=bool)  # an ended climb stays: no result depends on the other cases
     for _ in range(_STEPS):
         step = np.clip(reach / 8, 1e-4, 0.02)  # of the stencil, over the distance to the edges and the depth
         across, down = step * np.hypot(np.minimum(np.abs(x - 1), np.abs(x + 1)), y), -step * y
@@ -67,13 +64,13 @@ def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array
         current = np.stack([x, y, around[..., 4]])
         up = (current[2] >= highest[2]) & ~ended
         highest = np.where(up, current, highest)
-        to_zero = (current[2] < _NOTHING) & (np.hypot(x, y) > _AWAY[0])  # at infinity
+        to_zero = (current[2] < _NEGLIGIBLE) & (np.hypot(x, y) > _FAR[0])  # at infinity
         ended |= (moved < _CLOSE) | to_zero
         if np.all(ended):
             break
         dx, dy = _newton_step(around, (-DEPTH - y) / down, reach / step)
         length = np.hypot(dx, dy) * step
-        # what went down goes back and tries again with a quarter of the reach
+        # a climb that went down returns and tries again with a quarter of the reach
         x = np.where(up, x + dx * across, highest[0])
         y = np.where(up, np.minimum(y + dy * down, -DEPTH), highest[1])
         reach = np.where(up, np.clip(2 * length, 1e-6, reach), moved / 4)
@@ -83,8 +80,8 @@ def _peak(contact: Contact, measure: Measure, x: Array, y: Array) -> tuple[Array
 
 
 def _around(contact: Contact, measure: Measure, *axes: tuple[Array, Array]) -> Array:
-    """Measure on the stencil about places, row by row from the deepest; (..., start, 9). axes: place and spacing."""
-    stencil = [place[..., None] + size[..., None] * _STENCIL[:, k] for k, (place, size) in enumerate(axes)]
+    """Measure on the stencil about points, by position and spacing, rows from the deepest on; (..., start, 9)."""
+    stencil = [middle[..., None] + size[..., None] * _STENCIL[:, k] for k, (middle, size) in enumerate(axes)]
     cases = stencil[0].shape[:-2]
     return measure(*_stresses(contact, *(points.reshape(*cases, -1) for points in stencil))).reshape(stencil[0].shape)
 
@@ -92,12 +89,12 @@ def _around(contact: Contact, measure: Measure, *axes: tuple[Array, Array]) -> A
 def _stresses(contact: Contact, x: Array, y: Array) -> list[Array]:
     """Stresses over the pressure scale; (..., point) each."""
     parts, e = interior_parts(contact, x, y, _STRESSES), contact.relative_charge_density[..., None, None, :]
-    whole = parts.of_load + e[..., 0] * parts.of_charges[0] + e[..., 1] * parts.of_charges[1]
-    return [whole[..., k, :] for k in range(4)]
+    stresses = parts.of_load + e[..., 0] * parts.of_charges[0] + e[..., 1] * parts.of_charges[1]
+    return [stresses[..., k, :] for k in range(4)]
 
 
 def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Array]:
-    """Places of the highest local maxima of scans over grids; (..., start) each."""
+    """Positions x and y of the highest local maxima of scans over grids; (..., start) each."""
     scans = [_maxima(contact, measure, *grid) for grid in grids]
     x, y, values, largest = (np.concatenate(parts, -1) for parts in zip(*scans, strict=True))
     order = np.argsort(-values, axis=-1)[..., :_MAXIMA]
@@ -108,10 +105,7 @@ def _starts(contact: Contact, measure: Measure, *grids: Grid) -> tuple[Array, Ar
 
 
 def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> tuple[Array, Array, Array, Array]:
-    """Places and values of the highest local maxima of one scan, -inf for want of them, and its largest stress.
-
-    The last is (..., 1), the others are (..., maximum).
-    """
+    """Positions and values (-inf: none) of the maxima of a scan (..., maximum), and its largest stress (..., 1)."""
     x, y = (grid.ravel() for grid in np.meshgrid(across, down))
     parts = interior_parts(contact, x, y, _STRESSES)
     e = contact.relative_charge_density
@@ -136,7 +130,7 @@ def _maxima(contact: Contact, measure: Measure, across: Array, down: Array) -> t
 
 
 def _is_top(grid: Array) -> BoolArray:
-    """True where a value is no less than its neighbours along both axes and not at an end across."""
+    """Return True where a value is at least that of its neighbours along both axes, except at the ends across."""
     padded = np.pad(grid, [(0, 0)] * (grid.ndim - 2) + [(1, 1), (1, 1)], constant_values=-np.inf)
     centre = padded[..., 1:-1, 1:-1]
     across = np.maximum(padded[..., 1:-1, 2:], padded[..., 1:-1, :-2])
@@ -147,7 +141,7 @@ def _is_top(grid: Array) -> BoolArray:
 
 
 def _newton_step(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Array]:
-    """Step up, in steps of the stencil, no longer than the reach and not above the ceiling; each (...)."""
+    """Upward step in units of the stencil, no longer than the reach and not above the ceiling; (...) each."""
     sw, s, se, w, centre, e, nw, n, ne = np.moveaxis(around, -1, 0)
     gx, gy = (e - w) / 2, (n - s) / 2
     xx, yy, xy = e + w - 2 * centre, n + s - 2 * centre, (ne - nw - se + sw) / 4
@@ -159,18 +153,18 @@ def _newton_step(around: Array, ceiling: Array, reach: Array) -> tuple[Array, Ar
     cos, sin = np.cos(angle), np.sin(angle)
     along, over = -(cos * gx + sin * gy) / high, -(-sin * gx + cos * gy) / low
     dx, dy = cos * along - sin * over, sin * along + cos * over
-    # at the ceiling the step is along it; its own curvature counts there
-    held = dy > ceiling
-    alone = (gx + xy * ceiling) / np.maximum(np.abs(xx), least)
-    dx, dy = np.where(held, alone, dx), np.where(held, ceiling, dy)
+    # at the ceiling the step follows it, by the curvature along it
+    bound = dy > ceiling
+    along_ceiling = (gx + xy * ceiling) / np.maximum(np.abs(xx), least)
+    dx, dy = np.where(bound, along_ceiling, dx), np.where(bound, ceiling, dy)
     length = np.hypot(dx, dy)
-    short = np.minimum(length, reach) / np.maximum(length, _TINY)
-    return dx * short, np.where(held & (length <= reach), ceiling, dy * short)
+    factor = np.minimum(length, reach) / np.maximum(length, _TINY)
+    return dx * factor, np.where(bound & (length <= reach), ceiling, dy * factor)
 
 
 def body_curves(contact: Contact) -> dict[str, Array]:
     """Fields of the region ``body`` by name; (..., point), SI."""
-    X, depth = (_REGION.panels.by_panel(whole) for whole in np.meshgrid(*lines()))
+    X, depth = (_REGION.panels.by_panel(grid) for grid in np.meshgrid(*lines()))
     stresses = interior_parts(contact, X, -depth, _STRESSES).whole(contact)
     return named(stresses, contact.half_width, depth)
 
@@ -182,8 +176,8 @@ def named(stresses: Array, half_width: Array, depth: Array) -> dict[str, Array]:
 
 
 def lines() -> tuple[Array, Array]:
-    """X of the points across, and depths over h of those down."""
+    """X of the points across (x,), and depths over h of those down, even in the logarithm (depth,)."""
     across, down = _REGION.lines()
     size = np.abs(across)
-    X = np.where(size < 1, across, np.sign(across) * (1 + (size - 1) / (2 - size)))
+    X = np.where(size < 1, across, np.sign(across) * (1 + (size - 1) / (2 - size)))  # infinite at 2
     return X, DEPTH * (_DEEPEST / DEPTH) ** down

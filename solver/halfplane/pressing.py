@@ -1,7 +1,7 @@
-"""Extent of the contact and shape of the pressure under a punch pressed by a given load (theory sections 3 and 4).
+"""Extent of the contact and shape of the pressure under a punch with a given load (theory, sections 3 and 4).
 
-In units of the half-width, x = c + h X, the slope is ``g' = s G(X)`` and ``sigma_yy = (s / lam) S(X)``; the load is
-``P = -(h s / lam) int S dX``. Two smooth edges ask for a balance besides, a corner for its own place.
+With x = c + h X, the slope is ``g' = s G(X)``, the pressure ``sigma_yy = (s / lam) S(X)`` and the load
+``P = -(h s / lam) int S dX``. Two smooth edges add a balance, a corner has a given position.
 """
 
 from collections.abc import Sequence
@@ -25,35 +25,31 @@ _NO_ODD_POWER = (
 
 
 class ContactError(ValueError):
-    """A punch and a load that the contact of the theory does not exist for."""
+    """A punch and a load without a contact of the theory."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pressing:
-    """A pressed punch. Rates are derivatives in log P at fixed charges."""
+    """A pressed punch; rates are derivatives in log P at fixed charges."""
 
-    # h [m]; (...), and c / h; (...)
-    half_width: Array
-    centre: Array
+    half_width: Array  # h [m]; (...)
+    centre: Array  # c / h; (...)
     slope_scale: Array  # s [1]; (...)
-    # Coefficients of G, ascending powers of X, and of d(s G)/dlogP / s at fixed X, where h is fixed; (..., k)
-    slope: Array
-    slope_rate: Array
-    # S and d(s S)/dlogP / s at fixed X
-    shape: Shape
-    shape_rate: Shape
-    # dlog h/dlog P; d(c/h)/dlog P
-    width_rate: Array
-    centre_rate: Array
+    slope: Array  # Coefficients of G, ascending powers of X; (..., k)
+    slope_rate: Array  # Those of d(s G)/dlogP / s at fixed X, where h is fixed; (..., k)
+    shape: Shape  # S
+    shape_rate: Shape  # d(s S)/dlogP / s at fixed X
+    width_rate: Array  # dlog h/dlog P; (...)
+    centre_rate: Array  # d(c/h)/dlog P; (...)
 
     @property
     def rise(self) -> Array:
-        """g at the trailing edge [m]: height of the punch there over its origin."""
+        """Height g of the punch at the trailing edge over its origin [m]; (...)."""
         return self.half_width * self.slope_scale * _integral(self.slope, -self.centre, 1.0)
 
     @property
     def rise_rate(self) -> Array:
-        """d rise / dlog P [m]."""
+        """Derivative of :attr:`rise` by log P [m]; (...)."""
         edge = self.centre + 1
         moved = sum(_by_power(self.slope)) * (self.width_rate * edge + self.centre_rate)
         turned = _integral(self.slope_rate, -self.centre, 1.0) if np.any(self.slope_rate) else 0.0
@@ -61,7 +57,7 @@ class Pressing:
 
 
 def press(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
-    """Contact of the profile under a load."""
+    """Return the contact of a profile under a load (...) [N/m]."""
     if profile.width is not None:
         pressing = _between_corners(profile, profile.width, angle, lam, load)
     elif profile.homogeneous:
@@ -73,7 +69,7 @@ def press(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pr
 
 
 def _between_corners(profile: Profile, width: Array, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
-    """The ends are known; the load scales the flat punch's own pressure, which is added to that of the slope."""
+    """Return the contact between two corners: the pressure of the slope, and that of the flat punch with the load."""
     half, smooth = width / 2, profile.smooth
     scale = lam * load / half
     flat = Shape(angle, smooth, np.ones(1))
@@ -84,8 +80,8 @@ def _between_corners(profile: Profile, width: Array, angle: FrictionAngle, lam: 
         tilted = Shape.of_slope(angle, smooth, [np.ones(())]).first_moment
         slope = np.array(slope + np.zeros((*np.shape(profile.moment / load + half + tilted + carried), 1)))
         slope[..., 0] = 0.0
-        others = Shape.of_slope(angle, smooth, _by_power(slope)).first_moment + flat.first_moment * carried
-        slope[..., 0] = (-profile.moment / (half * load) - others) / tilted
+        untilted = Shape.of_slope(angle, smooth, _by_power(slope)).first_moment + flat.first_moment * carried
+        slope[..., 0] = (-profile.moment / (half * load) - untilted) / tilted
         rate = (-flat.first_moment * carried / tilted)[..., None]
 
     def shape(coefficients: Array) -> Shape:
@@ -94,12 +90,12 @@ def _between_corners(profile: Profile, width: Array, angle: FrictionAngle, lam: 
         factor[..., 0] += carried
         return Shape(angle, smooth, factor)
 
-    nothing = np.zeros(())
-    return Pressing(half, nothing, scale, slope, rate, shape(slope), shape(rate), nothing, nothing)
+    zero = np.zeros(())
+    return Pressing(half, zero, scale, slope, rate, shape(slope), shape(rate), zero, zero)
 
 
 def _similar(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
-    """g' = gamma x^n: c / h and the pressure's shape depend on the friction angle only, h^(n+1) goes as the load."""
+    """Return the contact of g' = gamma x^n, whose c / h and shape depend on the friction angle only; h^(n+1) ~ P."""
     n, gamma = len(profile.slope) - 1, profile.slope[-1]
     centre = _centre(profile.smooth, angle, n)
     sign = np.sign(gamma)
@@ -114,12 +110,12 @@ def _similar(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) ->
     rate = np.array(1 / (n + 1))
     shape_rate = Shape(angle, profile.smooth, n * rate * shape.factor)
     slope_rate = np.zeros(1)  # G keeps its form in x
-    scale, nothing = np.abs(gamma) * half**n, np.zeros(())
-    return Pressing(half, centre, scale, stack(*slope), slope_rate, shape, shape_rate, rate, nothing)
+    scale, centre_rate = np.abs(gamma) * half**n, np.zeros(())
+    return Pressing(half, centre, scale, stack(*slope), slope_rate, shape, shape_rate, rate, centre_rate)
 
 
 def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
-    """c / h under the slope (X + c/h)^n: Newton's iteration, exact at once for n = 1."""
+    """c / h under the slope (X + c/h)^n by Newton's iteration, in closed form for n = 1; (...)."""
     if not all(smooth):
         return np.array(1.0 if smooth[0] else -1.0)
     centre = -2 * angle.delta
@@ -135,7 +131,7 @@ def _centre(smooth: tuple[bool, bool], angle: FrictionAngle, n: int) -> Array:
 
 
 def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> Pressing:
-    """Any other slope: Newton's iteration for log h and c / h, from the contact of the steepest power alone."""
+    """Return the contact of any other slope, by Newton's iteration on log h and c / h from that of its top power."""
     half, centre = _first_guess(profile, angle, lam, load)
     for _ in range(_NEWTON_STEPS):
         (width_step, centre_step), _ = _newton(profile, angle, lam * load, half, centre)
@@ -153,30 +149,28 @@ def _searched(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -
 
 
 def _first_guess(profile: Profile, angle: FrictionAngle, lam: Array, load: Array) -> tuple[Array, Array]:
-    """h and c / h under the steepest power of the slope that presses alone, in the shape of all cases."""
+    """h and c / h under the highest power of the slope that has a contact without the others; (...) of all cases."""
     powers = [k for k, c in enumerate(profile.slope) if np.any(c) and (k % 2 or not all(profile.smooth))]
     if not powers:
         raise ContactError(_NO_ODD_POWER)
     n = powers[-1]
-    alone = _similar(Profile((*(np.zeros(()),) * n, profile.slope[n]), profile.smooth), angle, lam, load)
-    half, centre, *_ = np.broadcast_arrays(alone.half_width, alone.centre, load, *profile.slope)
+    pressing = _similar(Profile((*(np.zeros(()),) * n, profile.slope[n]), profile.smooth), angle, lam, load)
+    half, centre, *_ = np.broadcast_arrays(pressing.half_width, pressing.centre, load, *profile.slope)
     return half, centre
 
 
 def _newton(
     profile: Profile, angle: FrictionAngle, loaded: Array, half: Array, centre: Array
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Newton's steps in log h and c / h, to be taken off, and derivatives of both in log P; (...) each.
-
-    Two equations hold: that of the load, ``loaded = lam P``, and the balance of smooth edges.
-    """
+    """Newton's steps in log h and c / h, to be subtracted, and derivatives of both by log P; (...) each."""
+    # the equations are that of the load, loaded = lam P, and the balance of smooth edges
     moments = [_by_power(g) for g in slopes(profile.slope, half, centre)]
     total, by_width, by_centre = (Shape.of_slope(angle, profile.smooth, g).total for g in moments)
     if not np.all(total < 0):
         raise ContactError("slope: no contact of this punch carries the load without tension")
     miss = np.log(-half * total / loaded)
     in_width, in_centre = 1 + by_width / total, by_centre / total
-    off, off_in_width, off_in_centre = 0 * miss, 0 * miss, 1 + 0 * miss  # a corner stays in its place
+    off, off_in_width, off_in_centre = 0 * miss, 0 * miss, 1 + 0 * miss  # a corner fixes the centre
     if all(profile.smooth):
         off, off_in_width, off_in_centre = (imbalance(angle, g) for g in moments)
     determinant = in_width * off_in_centre - in_centre * off_in_width
@@ -186,7 +180,7 @@ def _newton(
 
 
 def slopes(slope: Sequence[Array], half: Array, centre: Array) -> tuple[Array, Array, Array]:
-    """Coefficients of g'(h (X + c/h)) in powers of X, and of its derivatives in log h and c / h; (..., power)."""
+    """Coefficients of g'(h (X + c/h)) in powers of X, and of its derivatives by log h and c / h; (..., power) each."""
     terms = [coefficient * half**k for k, coefficient in enumerate(slope)]
     in_width = [k * term for k, term in enumerate(terms)]
     size = len(terms)
@@ -202,7 +196,7 @@ def _shifted(terms: Sequence[Array], centre: Array, size: int) -> Array:
 
 
 def _refuse_tension(pressing: Pressing) -> None:
-    """Raise where sigma_yy would be positive."""
+    """Refuse contacts with a positive sigma_yy."""
     coefficients = pressing.shape.factor
     samples = _SAMPLES if coefficients.shape[-1] > 1 else _SAMPLES[:1]
     factor = np.polynomial.polynomial.polyval(samples, np.moveaxis(coefficients, -1, 0))
@@ -216,11 +210,11 @@ def _shifted_power(centre: Array, n: int) -> list[Array]:
 
 
 def _by_power(coefficients: Array) -> list[Array]:
-    """Coefficients (..., k) as one array (...) for each power."""
+    """Split coefficients (..., k) into one array (...) for each power."""
     return [*np.moveaxis(coefficients, -1, 0)]
 
 
 def _integral(coefficients: Array, low: Array, high: float) -> Array:
-    """Integral of a polynomial in X."""
+    """Integral from low to high of a polynomial in X with coefficients (..., k); (...)."""
     terms = [coefficients[..., k] * (high ** (k + 1) - low ** (k + 1)) / (k + 1) for k in range(coefficients.shape[-1])]
     return np.asarray(sum(terms, np.zeros(())))

@@ -140,10 +140,10 @@ class Profile:
         return self._changed(lambda values, power: values * length**power)
 
     def _changed(self, change: Callable[[Array, int], Array]) -> Self:
-        """With parameters that are made of these and of the powers of a length that undo their unit's."""
+        """Return the profile with ``change`` of each parameter and of the power of a length that cancels its unit."""
         width, moment = (
-            None if size is None else np.asarray(change(size, power))
-            for size, power in ((self.width, -1), (self.moment, -2))
+            None if values is None else np.asarray(change(values, power))
+            for values, power in ((self.width, -1), (self.moment, -2))
         )
-        slope = tuple(np.asarray(change(size, power)) for power, size in enumerate(self.slope))
+        slope = tuple(np.asarray(change(values, power)) for power, values in enumerate(self.slope))
         return type(self)(slope, self.smooth, width, moment)

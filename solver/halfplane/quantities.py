@@ -1,4 +1,4 @@
-"""Every quantity of ``solver.names.QUANTITIES`` that a contact has, from its closed forms."""
+"""Quantities of ``solver.names.QUANTITIES`` of a contact, from its closed forms (theory, section 6)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,18 +15,18 @@ from solver.twoport import Compliance
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Response of the punch; scalars per case, shapes as small as each needs.
+    """Response of the punch, by displacement and potentials J = (u_y, phi, psi) at the trailing edge; (...) each.
 
-    What belongs to the potential of a field means nothing where the punch does not conduct that field.
+    u_J(a) = P [N_J0 log(h / 2L) / pi + B_J] + (N_J1 T + N_J2 J) log(h / 2L) / pi, void for fields not conducted.
     """
 
     contact: Contact
-    datum: Array
-    punch_datum: Array | None = None
+    datum: Array  # L [m]
+    punch_datum: Array | None = None  # Reference length of an elastic punch [m]; by default L
 
     @cached_property
     def log_width(self) -> Array:
-        """ell = log(h / 2L)."""
+        """Logarithm of h / 2L; (...)."""
         return np.log(self.contact.half_width / (2 * self.datum))
 
     def _moments(self, shape: Shape) -> tuple[Array, Array]:
@@ -35,7 +35,7 @@ class Response:
         return shape.logarithmic_moment / total, self.contact.friction * shape.follower_moment / total
 
     def _constants(self, logarithmic: Array, follower: Array) -> list[Array]:
-        """B_J from the moments, or d (P B_J) / dP from their rates; (...) each."""
+        """B_J from the moments of :meth:`_moments`, or d (P B_J) / dP from their rates; (...) each."""
         sliding, constants = self.contact.sliding, []
         for J in range(3):
             along = sliding.coupling[..., J] - sliding.friction_coupling[..., J]
@@ -46,12 +46,12 @@ class Response:
 
     @cached_property
     def _load_constants(self) -> list[Array]:
-        """B_J; (...) each."""
+        """Constants B_J; (...) each."""
         return self._constants(*self._moments(self.contact.shape))
 
     @cached_property
     def _load_constant_rates(self) -> list[Array]:
-        """d (P B_J) / dP; (...) each."""
+        """Derivatives d (P B_J) / dP; (...) each."""
         if self.contact.profile.homogeneous:
             return self._load_constants  # contacts under all loads are similar
         pressing = self.contact.pressing
@@ -60,13 +60,13 @@ class Response:
 
     @property
     def _datum_part(self) -> Array:
-        """Change of u_y(a) / P by an elastic punch's separate datum; (...)."""
+        """Change of u_y(a) / P due to an elastic punch's separate datum; (...)."""
         if self.punch_datum is None:
             return np.zeros(())
         return self.contact.sliding.punch.compliance / np.pi * np.log(self.datum / self.punch_datum)
 
     def _displacement(self, J: int) -> Array:
-        """u_J(a)."""
+        """Displacement or potential u_J(a); (...)."""
         c, N = self.contact, self.contact.sliding.compliance
         displacement = self._load_parts[J] * c.load
         if np.any(c.charges):
@@ -75,20 +75,20 @@ class Response:
 
     @cached_property
     def _load_parts(self) -> list[Array]:
-        """u_J(a) / P without charges."""
+        """u_J(a) / P without charges; (...) each."""
         N = self.contact.sliding.compliance
         parts = [N[..., J, 0] / np.pi * self.log_width + self._load_constants[J] for J in range(3)]
         return [parts[0] + self._datum_part, *parts[1:]]
 
     @cached_property
     def _load_tangents(self) -> list[Array]:
-        """d u_J(a) / dP without charges."""
+        """d u_J(a) / dP without charges; (...) each."""
         N, width = self.contact.sliding.compliance, (self.log_width + self.contact.pressing.width_rate) / np.pi
         tangents = [N[..., J, 0] * width + self._load_constant_rates[J] for J in range(3)]
         return [tangents[0] + self._datum_part, *tangents[1:]]
 
     def _charged_tangent(self, J: int) -> Array:
-        """d u_J(a) / dP at the charges of the case."""
+        """d u_J(a) / dP at the charges of the case; (...)."""
         c, N = self.contact, self.contact.sliding.compliance
         if not np.any(c.charges):
             return self._load_tangents[J]
@@ -97,29 +97,21 @@ class Response:
 
     @property
     def depth(self) -> Array:
-        """g(a) - u_y(a): approach of the punch, at its origin, relative to the datum [m]."""
+        """Approach g(a) - u_y(a) of the punch's origin, relative to the datum [m]; (...)."""
         return self.contact.pressing.rise - self._displacement(0)
 
     def responses(self, field: int) -> tuple[Array, ...]:
-        """Values of a field in the order of ``RESPONSES``, relative to the datum, SI; (...) each.
-
-        They are the punch's potential, its change per load without charges, the charge per load that makes it 0, the
-        other charge 0, and depth and load per potential at the other charge, at fixed load and at fixed depth.
-        """
+        """Quantities of a field in the order of ``RESPONSES``, relative to the datum, SI; (...) each."""
         c, N, j = self.contact, self.contact.sliding.compliance, 1 + field
         depth_tangent = c.pressing.rise_rate / c.load - self._charged_tangent(0)
-        # its derivatives in the charge lack log_width/pi, on which no ratio of them depends
+        # derivatives by the charge without the factor log_width/pi, which cancels in the ratios
         port = Compliance(depth_tangent, -N[..., 0, j], self._charged_tangent(j), N[..., j, j])
         per_load = -np.pi * self._load_parts[j] / (N[..., j, j] * self.log_width)
         return self._displacement(j), self._load_tangents[j], per_load, port.stroke, port.blocked_force
 
 
 def quantities(contact: Contact, datum: Array, punch_datum: Array | None = None) -> dict[str, Array]:
-    """Each quantity in the smallest shape that it needs.
-
-    A quantity that means nothing for some of the cases is left out for all: the response of a field that a punch does
-    not conduct, and what is infinite at a corner (the pressure, edge intensities and edge stresses).
-    """
+    """Quantities that all cases have, each in its smallest shape, without those infinite at a corner."""
     response = Response(contact, datum, punch_datum)
     out = {
         "contact_trailing": contact.trailing,
@@ -149,8 +141,6 @@ def at_edges(
             if stress is not None:
                 out[stretch] = stress(edge)
             intensities = intensity(edge)
-            out[f"electric_edge_intensity_{end}"], out[f"magnetic_edge_intensity_{end}"] = (
-                intensities[..., 0],
-                intensities[..., 1],
-            )
+            out[f"electric_edge_intensity_{end}"] = intensities[..., 0]
+            out[f"magnetic_edge_intensity_{end}"] = intensities[..., 1]
     return out

@@ -1,18 +1,15 @@
-"""The pressure under a punch of polynomial slope, its follower and their transforms in closed form (theory, 4 and 5).
+"""The pressure S under a punch of polynomial slope, its follower D and their transforms (theory, sections 4 and 5).
 
-On |X| < 1 the equation ``tan(theta) S + H[S] = G`` with a polynomial G has the solution ``S = lam sigma_yy``,
+S = lam sigma_yy solves ``tan(theta) S + H[S] = G`` on |X| < 1. D is the charge that friction moves on a conductor:
+``H[D] = -S``, without a total (the terms in lam/kap of theory, 3.4). With m, n = 1 at a smooth trailing, leading edge
+and 0 at a corner, ``E(z) = ((z - 1)/(z + 1))^delta`` and ``V = (z - 1)^m (z + 1)^n Q``, Q a polynomial,
 
-    S = cos(theta) (1 - X)^A (1 + X)^B Q(X),  A = 1/2 + delta (smooth trailing edge) or -1/2 + delta (corner),
-                                              B = 1/2 - delta (smooth leading edge) or -1/2 - delta (corner).
-
-Let ``E(z) = ((z - 1)/(z + 1))^delta``, ``V = (z - 1)^m (z + 1)^n Q`` with m, n = 1 at a smooth edge and 0 at a corner.
-Then S sqrt(1 - X^2) is E V up to sign, and everything else is the negative part of E V at infinity. Friction moves
-conducted charges by multiples of one more function, D, with ``H[D] = -S`` and no total (the theory's terms in lam/kap):
-
+    S = cos(theta) (1 - X)^A (1 + X)^B Q(X),    A = m - 1/2 + delta,    B = n - 1/2 - delta,
     D sqrt(1 - X^2) = H[sqrt(1 - s^2) S] = (-1)^m [cos(theta) E V - Pol(E V)] / tan(theta).
 
-With ``E = 1 + delta Phi`` nothing is divided by theta. In ``u = z - sqrt(z^2 - 1)`` (|u| < 1 off the contact) E is
-``((1 - u)/(1 + u))^(2 delta)``, V a Laurent polynomial, and the negative part a power series in u without a constant.
+S sqrt(1 - X^2) is E V up to sign; the transforms are the negative part of E V at infinity. ``E = 1 + delta Phi`` avoids
+a division by theta. In ``u = z - sqrt(z^2 - 1)`` (|u| < 1 off the contact) E is ``((1 - u)/(1 + u))^(2 delta)``, V a
+Laurent polynomial, and the negative part a power series in u without a constant.
 """
 
 from collections.abc import Sequence
@@ -25,27 +22,22 @@ import scipy  # scipy.special, slow to import, and not every job solves
 from solver.arrays import Array, Points, power_series, stack
 from solver.halfplane.sliding import FrictionAngle
 
-_FAR = 0.3  # |u| below which the series is summed; above it the closed form cancels less than (1/u)^(degree + 2)
+_FAR = 0.3  # |u| below which the series is used; above it the closed form loses less than (1/u)^(degree + 2)
 _TERMS = 32  # 0.3^32 is below rounding
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """S, D and what follows from them, dimensionless; linear in ``factor``."""
+    """Functions S and D, their moments and transforms, dimensionless and linear in ``factor``."""
 
     angle: FrictionAngle
-    smooth: tuple[bool, bool]
-    factor: Array
+    smooth: tuple[bool, bool]  # Whether the trailing and the leading edge are smooth
+    factor: Array  # Coefficients of Q, ascending powers of X; (..., degree + 1)
 
     @classmethod
     def of_slope(cls, angle: FrictionAngle, smooth: tuple[bool, bool], slope: Sequence[Array]) -> "Shape":
-        """The shape under a slope; between two corners the one without total.
-
-        Between two smooth edges there is one only where :func:`imbalance` is 0.
-
-        slope: coefficients of G, (...) each.
-        """
-        power = sum(smooth) - 1  # A + B
+        """Return the shape under a slope G, by its coefficients (...); between two corners the one without a total."""
+        power = sum(smooth) - 1  # A + B; between two smooth edges the shape exists only where imbalance() is 0
         series = _edge_series(angle.delta, smooth, len(slope) + 1)
         terms = [_coefficient(slope, series, j + power) for j in range(max(len(slope) - power, 1))]
         shape = cls(angle, smooth, (-1.0 if smooth[0] else 1.0) * stack(*terms))
@@ -57,12 +49,12 @@ class Shape:
 
     @property
     def _sign(self) -> float:
-        """(-1)^m."""
+        """Sign (-1)^m."""
         return -1.0 if self.smooth[0] else 1.0
 
     @cached_property
     def _power(self) -> Array:
-        """V in powers of z; (..., degree + m + n + 1)."""
+        """Coefficients of V in powers of z; (..., degree + m + n + 1)."""
         power = self.factor
         for corner, smooth in zip((-1.0, 1.0), self.smooth, strict=True):
             if smooth:
@@ -72,11 +64,11 @@ class Shape:
 
     @cached_property
     def _chebyshev(self) -> Array:
-        """V in Chebyshev polynomials, which are (u^j + u^-j)/2; (..., degree + m + n + 1)."""
+        """Coefficients of V in Chebyshev polynomials (u^j + u^-j)/2; (..., degree + m + n + 1)."""
         return np.asarray(self._power @ chebyshev_of_powers(self._power.shape[-1]))
 
     def _laurent(self, numbers: range) -> Array:
-        """Coefficients of u^k, k of the numbers, in V Phi; (..., number)."""
+        """Coefficients of u^k in V Phi for k in ``numbers``; (..., number)."""
         c, delta = self._chebyshev, self.angle.delta
         degree = c.shape[-1] - 1
         phi = [2 * term for term in _phi_series(2 * delta, max(numbers) + degree + 1)]  # of Phi in powers of u
@@ -101,7 +93,7 @@ class Shape:
 
     @cached_property
     def first_moment(self) -> Array:
-        """Integral of X S; (...)."""
+        """Integral of X S over -1 < X < 1; (...)."""
         head, tail = self._head, self._tail
         first = self._chebyshev[..., 1] if self._chebyshev.shape[-1] > 1 else 0.0
         mirrored = head[..., 1] if head.shape[-1] > 1 else 0.0
@@ -109,11 +101,9 @@ class Shape:
 
     @cached_property
     def logarithmic_moment(self) -> Array:
-        """Integral of S [log(1 - X) + log 2]; (...).
-
-        The moments of w = (1 - X)^A (1 + X)^B obey a recursion in the power of X; its derivative in A gives those with
-        the logarithm, which start from the beta function.
-        """
+        """Integral of S [log(1 - X) + log 2]; (...)."""
+        # The moments of w = (1 - X)^A (1 + X)^B obey a recursion in the power of X; its derivative by A is that of the
+        # moments with the logarithm, which start from the beta function.
         (m, n), delta = self.smooth, self.angle.delta
         power, skew = m + n - 1, n - m - 2 * delta  # A + B, B - A
         start = np.pi * min(power + 2, 2) * (0.5 + delta if m else 1.0) * (0.5 - delta if n else 1.0)
@@ -128,7 +118,7 @@ class Shape:
 
     @cached_property
     def follower_moment(self) -> Array:
-        """Integral of D log(1 - X); (...): pi int_1^inf H[D] dz, by recursion in the powers of z in V."""
+        """Integral of D log(1 - X), which is pi int_1^inf H[D] dz, by recursion in the powers of z in V; (...)."""
         delta = self.angle.delta
         count = self._power.shape[-1]
         phi = _phi_series(delta, count)
@@ -160,13 +150,13 @@ class Shape:
         return -self._sign * self.angle.delta_over_tan * self._polynomial_part(np.array([edge]))[..., 0]
 
     def _polynomial_part(self, X: Array) -> Array:
-        """Pol(Phi V), a Chebyshev series."""
+        """Pol(Phi V) at positions X; (..., position)."""
         head = np.array(self._head)
         head[..., 1:] *= 2
         return np.asarray(np.polynomial.chebyshev.chebval(X, np.moveaxis(head[..., None], -2, 0), tensor=False))
 
     def _edges(self, trailing: Points, leading: Points, root: Points) -> Points:
-        """Distances from the edges to the powers m and n, over the root of the product of both."""
+        """Distances from the edges to the powers m and n, over ``root``, the root of their product; (position,)."""
         if all(self.smooth):
             return root
         if not any(self.smooth):
@@ -174,7 +164,7 @@ class Shape:
         return (trailing if self.smooth[0] else leading) / root
 
     def transforms(self, z: Points, root: Points, slope: Array) -> tuple[Points, Points]:
-        """H[S] and sqrt(z^2 - 1) H[D] off the contact: ``H[f](z) = (1/pi) int f(s)/(s - z) ds``."""
+        """H[S] and sqrt(z^2 - 1) H[D] at z (..., point) off the contact; (..., point) each."""
         delta, rho = self.angle.delta[..., None], self.angle.delta_over_tan[..., None]
         head, tail = self._head, self._tail
         u = 1 / (z + root)
@@ -198,7 +188,7 @@ class Shape:
 
 @cache
 def chebyshev_of_powers(count: int) -> Array:
-    """Chebyshev coefficients of the powers 1 to x^(count - 1); (power, count)."""
+    """Chebyshev coefficients of the powers 1 to X^(count - 1); (power, count)."""
     rows = [np.polynomial.chebyshev.poly2cheb(row) for row in np.eye(count)]
     return np.array([np.pad(row, (0, count - len(row))) for row in rows])
 
@@ -209,12 +199,12 @@ def _contracted(coefficients: Array, values: Sequence[Array]) -> Array:
 
 
 def imbalance(angle: FrictionAngle, slope: Sequence[Array]) -> Array:
-    """The 1/z term of G/X(z), 0 between two smooth edges, of the coefficients (...) of G; (...)."""
+    """Term in 1/z of G/X(z) (theory, section 4), 0 for two smooth edges in balance, by coefficients of G; (...)."""
     return _coefficient(slope, _edge_series(angle.delta, (True, True), len(slope)), 0)
 
 
 def _edge_series(delta: Array, smooth: tuple[bool, bool], count: int) -> list[Array]:
-    """Coefficients of (1 - t)^-A (1 + t)^-B in powers of t."""
+    """Coefficients of (1 - t)^-A (1 + t)^-B in powers of t; (...) each."""
     m, n = smooth
     power, skew = m + n - 1, n - m - 2 * delta  # A + B, B - A
     series = [np.ones(()), -skew]
@@ -224,7 +214,7 @@ def _edge_series(delta: Array, smooth: tuple[bool, bool], count: int) -> list[Ar
 
 
 def _phi_series(delta: Array, count: int) -> list[Array]:
-    """Coefficients of [((1 - t)/(1 + t))^delta - 1] / delta in powers of t."""
+    """Coefficients of [((1 - t)/(1 + t))^delta - 1] / delta in powers of t; (...) each."""
     series = [np.zeros(()), np.array(-2.0)]
     for k in range(1, count - 1):
         series.append((-2 * delta * series[k] + (k - 1) * series[k - 1]) / (k + 1))
@@ -232,6 +222,6 @@ def _phi_series(delta: Array, count: int) -> list[Array]:
 
 
 def _coefficient(slope: Sequence[Array], series: list[Array], shift: int) -> Array:
-    """Sum over k of slope_k series_(k - shift)."""
-    picked = [slope[k] * series[k - shift] for k in range(len(slope)) if k >= shift]
-    return np.asarray(sum(picked, np.zeros(())))
+    """Sum over k of slope_k series_(k - shift); (...)."""
+    terms = [slope[k] * series[k - shift] for k in range(len(slope)) if k >= shift]
+    return np.asarray(sum(terms, np.zeros(())))

@@ -1,13 +1,12 @@
 """Functions of the Stroh roots without eigenvectors of coalescing roots: nodes and matrix weights.
 
-Inside the half-plane every field is a function ``f(x + y Pi)`` of the 4 x 4 matrix ``Pi = B diag(p) B^-1`` of the upper
-roots (Ting, Anisotropic Elasticity, 1996, section 5.5), with f analytic where Im p > 0 and y <= 0. Hence
+Fields inside the half-plane are functions of ``Pi = B diag(p) B^-1``, p the upper roots (Ting, Anisotropic Elasticity,
+1996, section 5.5), f analytic for Im p > 0 and y <= 0:
 
     f(x + y Pi) = sum_j W_j f(x + y p_j).
 
-A root apart from the others is a node, and W_j its spectral projector. Roots that nearly coincide, whose eigenvectors
-nearly do too, share a contour around them: the trapezoid rule on a circle of the disk that the half-plane of p is
-mapped to, (p - c)/(p - conj c). Its error falls geometrically with the number of nodes, whatever x and y.
+An isolated root is a node with its spectral projector W_j. Roots that nearly coincide share a contour: the trapezoid
+rule on a circle in the disk (p - c)/(p - conj c), whose error falls geometrically with the number of nodes.
 """
 
 import numpy as np
@@ -15,7 +14,7 @@ import numpy as np
 from solver.arrays import Array, BoolArray, ComplexArray, column
 from solver.halfplane.surface import HalfPlane
 
-_APART = 0.05  # distance |p - p'|/|p - conj p'| from which a root's own eigenvector keeps all but two digits
+_ISOLATED = 0.05  # distance |p - p'|/|p - conj p'| from which a root's eigenvector loses at most two digits
 _SMALLEST = 0.1  # radius of a contour in the disk: the resolvent of a fourfold root grows as its fourth power
 _ERROR = 1e-15
 
@@ -28,7 +27,7 @@ def spectrum(halfplane: HalfPlane) -> tuple[ComplexArray, ComplexArray]:
     mirrored, left = np.linalg.eig(np.swapaxes(Pi, -1, -2))
     order = np.argmin(np.abs(roots[..., :, None] - mirrored[..., None, :]), -1)
     left = np.take_along_axis(left, order[..., None, :], -1)
-    isolated = _apart(roots)
+    isolated = _isolated(roots)
 
     size = np.einsum("...ik,...ik->...k", left, right)
     outer = right[..., :, None, :] * left[..., None, :, :] / np.where(isolated, size, 1.0)[..., None, None, :]
@@ -43,15 +42,15 @@ def spectrum(halfplane: HalfPlane) -> tuple[ComplexArray, ComplexArray]:
     return np.concatenate([roots, nodes], -1), np.concatenate([projectors, shared], -3)
 
 
-def _apart(roots: ComplexArray) -> BoolArray:
-    """True for roots that are far from all others; (..., 4)."""
+def _isolated(roots: ComplexArray) -> BoolArray:
+    """Return True for roots that are far from all others; (..., 4)."""
     p, q = roots[..., :, None], roots[..., None, :]
     distance = np.abs((p - q) / (p - np.conj(q))) + np.eye(4)
-    return np.asarray(np.min(distance, -1) >= _APART)
+    return np.asarray(np.min(distance, -1) >= _ISOLATED)
 
 
 def _contour(roots: ComplexArray, members: BoolArray) -> tuple[ComplexArray, ComplexArray]:
-    """Nodes around the member roots and the factors of the resolvent there; (..., node)."""
+    """Nodes around the member roots, and factors of the resolvent at these; (..., node) each."""
     count = np.maximum(members.sum(-1, keepdims=True), 1)
     mean = np.sum(np.where(members, roots, 0), -1, keepdims=True) / count
     centre = np.where(members.any(-1, keepdims=True), mean, 1j)

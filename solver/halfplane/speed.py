@@ -1,4 +1,4 @@
-"""The limiting speed of steady sliding: the first that no steady subsonic contact can have (theory section 4)."""
+"""The limiting speed of steady sliding, above which no steady subsonic contact exists (theory, section 4)."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material, MaterialError, combined
 
 _SLOPES = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 241)])
-_SHORT_OF = 1 - 1e-6  # at the transonic speed itself a Stroh root is real, and the tensors are not defined
+_BELOW = 1 - 1e-6  # share of the transonic speed, at which a Stroh root is real and the tensors are undefined
 
 
 def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] = (True, True)) -> Array:
@@ -49,22 +49,20 @@ def limiting_speed(material: Material, conducts: BoolArray | tuple[bool, bool] =
     everywhere = np.arange(conducted.shape[0])
 
     def stiffness(speed: Array, case: NDArray[Any]) -> Array:
-        which = case.astype(int)
-        moving = HalfPlane(combined(lambda values: values[which], [cases], material.name), speed)
-        return 1 / Sliding(moving, np.zeros(()), conducted[which]).lam
+        index = case.astype(int)
+        moving = HalfPlane(combined(lambda values: values[index], [cases], material.name), speed)
+        return 1 / Sliding(moving, np.zeros(()), conducted[index]).lam
 
     transonic = transonic_speed(cases)
-    top = transonic * _SHORT_OF
+    top = transonic * _BELOW
     root = elementwise.find_root(stiffness, (np.zeros_like(top), top), args=(everywhere,))
     return np.where(stiffness(top, everywhere) > 0, transonic, root.x).reshape(shape)
 
 
 def transonic_speed(material: Material) -> Array:
-    """Speed [m/s] at which the first Stroh root becomes real; shape of the material's cases.
-
-    The least ``sqrt(lambda / rho)`` over real p, lambda an eigenvalue of the 2 x 2 acoustic matrix that is left of
-    ``Q + p (R + R^T) + p^2 T`` without its fields; even in p by the mirror symmetry.
-    """
+    """Speed [m/s] at which the first Stroh root becomes real, of the shape of the material's cases."""
+    # It is the least sqrt(lambda / rho) over real p, with lambda an eigenvalue of the 2 x 2 acoustic matrix, which is
+    # Q + p (R + R^T) + p^2 T after its fields are eliminated; even in p by the mirror symmetry.
     from scipy.optimize import elementwise
 
     cases = _flat(material, material.shape)
@@ -74,11 +72,10 @@ def transonic_speed(material: Material) -> Array:
     unit = scale[..., 0] ** 2
 
     def slowest(p: Array, case: NDArray[Any]) -> Array:
-        which = case.astype(int)
-        of_p = p[..., None, None]
-        whole = Q[which] + of_p * (R[which] + np.swapaxes(R[which], -1, -2)) + of_p**2 * T[which]
-        fields = np.linalg.solve(whole[..., 2:, 2:], whole[..., 2:, :2])
-        acoustic = whole[..., :2, :2] - whole[..., :2, 2:] @ fields
+        index, root = case.astype(int), p[..., None, None]
+        matrix = Q[index] + root * (R[index] + np.swapaxes(R[index], -1, -2)) + root**2 * T[index]
+        fields = np.linalg.solve(matrix[..., 2:, 2:], matrix[..., 2:, :2])
+        acoustic = matrix[..., :2, :2] - matrix[..., :2, 2:] @ fields
         return np.asarray(np.linalg.eigvalsh((acoustic + np.swapaxes(acoustic, -1, -2)) / 2)[..., 0])
 
     everywhere = np.arange(unit.size)
@@ -92,5 +89,5 @@ def transonic_speed(material: Material) -> Array:
 
 
 def _flat(material: Material, shape: tuple[int, ...]) -> Material:
-    """The material along one axis of cases."""
+    """Return the material with its cases along one axis."""
     return combined(lambda values: np.broadcast_to(values, shape).ravel(), [material], material.name)

@@ -14,13 +14,13 @@ from solver.material.constants import Material, MaterialError, combined
 
 _NEWTON_STEPS = 40  # quadratic convergence: ordinary materials need 6 to 8
 _TOLERANCE = 1e-13
-_STALLED = 1e-8  # steps that no longer shrink below this are rounding, which grows as a root nears the real axis
-# rows of the Stroh matrix by mirror symmetry; the fourth and last four are tractions
+_STALLED = 1e-8  # steps below this that no longer shrink are rounding, which grows as a root nears the real axis
+# rows of the Stroh matrix by mirror symmetry: (u_x, t_y, t_phi, t_psi) and (u_y, u_phi, u_psi, t_x)
 _EVEN, _ODD = np.array([0, 5, 6, 7]), np.array([1, 2, 3, 4])
 
 
 def shared_by_cases(method: Callable[[Any], Array]) -> cached_property[Array]:
-    """Cached property that is computed for the ``distinct`` bodies, whose values ``of_cases`` gives to the cases."""
+    """Return a cached property that is computed once per ``distinct`` body and repeated by ``of_cases``."""
 
     def values(owner: Any) -> Array:
         distinct = owner.distinct
@@ -32,42 +32,36 @@ def shared_by_cases(method: Callable[[Any], Array]) -> cached_property[Array]:
 
 @dataclass(frozen=True, eq=False)
 class HalfPlane:
-    """Response of a material's surface to tractions; every array carries the material's case axes first.
-
-    Notes
-    -----
-    Generalised displacement (u_x, u_y, phi, psi), traction (sigma_xy, sigma_yy, D_y, B_y), SI units:
-    ``du/dx (x, 0) = -S L^-1 t(x) + (1/pi) PV int L^-1 t(s)/(s - x) ds``  (theory, eq. 2.1).
-    """
+    """Response of a material's surface to tractions (theory, 2.1), SI; arrays have the material's case axes first."""
 
     material: Material
     speed: Array = field(default_factory=lambda: np.zeros(()))
-    shared: "tuple[HalfPlane, Indices] | None" = None  # Half-plane of fewer cases with the same tensors, and which
+    shared: "tuple[HalfPlane, Indices] | None" = None  # Half-plane of the distinct cases, and each case's index in it
 
     @property
     def distinct(self) -> "HalfPlane":
-        """The half-plane of the distinct materials and speeds of the cases."""
+        """Half-plane of the distinct materials and speeds of the cases."""
         return self.shared[0] if self.shared else self
 
     def repeated(self, case_index: Indices) -> "HalfPlane":
-        """The half-plane of cases, each with one of these materials and speeds; the tensors are those of this one."""
+        """Return the half-plane of cases (case,) that each have one of these materials, and share its tensors."""
         material = combined(lambda values: _taken(values, case_index), [self.material], self.material.name)
         return HalfPlane(material, _taken(self.speed, case_index), (self, case_index))
 
     def of_cases(self, values: Array) -> Array:
-        """Values of the distinct half-planes, (distinct, ...), for every case."""
+        """Repeat values of the distinct half-planes (distinct, ...) for the cases; (case, ...)."""
         if self.shared is None:
             return values
         return np.moveaxis(_taken(np.moveaxis(values, 0, -1), self.shared[1]), -1, 0)  # cases contiguous
 
     @cached_property
     def inertia(self) -> Array:
-        """rho V^2 [Pa]; 0 at rest, where rho is not needed."""
+        """Inertia rho V^2 [Pa], 0 at rest, where rho may be unknown; (...)."""
         return np.where(self.speed > 0, self.material.rho, 0.0) * self.speed**2
 
     @cached_property
     def scale(self) -> Array:
-        """Diagonal (..., 4) that makes every block of the material's own order one, whatever the base units."""
+        """Diagonal scale (..., 4) that brings every block of the stiffness to the order of one, in any base units."""
         m = self.material
         return np.stack(np.broadcast_arrays(m.c33, m.c33, m.eps33, m.mu33), -1) ** -0.5
 
@@ -85,7 +79,7 @@ class HalfPlane:
 
     @cached_property
     def roots(self) -> ComplexArray:
-        """The four Stroh roots with Im p > 0; (..., 4), sorted by falling imaginary part."""
+        """Stroh roots with Im p > 0, sorted by falling imaginary part; (..., 4)."""
         p = np.linalg.eigvals(self.stroh_matrix).astype(np.complex128)
         upper = np.take_along_axis(p, np.argsort(-p.imag, axis=-1)[..., :4], -1)
         order = np.lexsort((upper.real, -np.round(upper.imag, 9)), axis=-1)
@@ -93,20 +87,17 @@ class HalfPlane:
 
     @shared_by_cases
     def _barnett_lothe(self) -> Array:
-        """S L^-1 and L^-1, scaled as the Stroh matrix is; (..., 2, 4, 4).
-
-        ``[[S, H], [-L, S^T]]`` is the matrix function that maps the roots p to i sign(Im p). Newton's iteration
-        X <- (mu X - (mu X)^-1) / 2 finds it without eigenvectors, so coalescing roots are no special case. The mirror
-        symmetry leaves two blocks of 4 x 4: N takes (u_x, t_y, t_phi, t_psi) to (u_y, u_phi, u_psi, t_x), and back.
-        """
+        """S L^-1 and L^-1, scaled as the Stroh matrix is; (..., 2, 4, 4)."""
+        # Newton's iteration X <- (mu X - (mu X)^-1) / 2 from N finds [[S, H], [-L, S^T]], the function of N that maps
+        # the roots p to i sign(Im p), without eigenvectors. By the mirror symmetry X consists of two 4 x 4 blocks.
         N = self.stroh_matrix
         forth, back, change = N[..., _ODD[:, None], _EVEN], N[..., _EVEN[:, None], _ODD], np.inf
         for _ in range(_NEWTON_STEPS):
-            of_forth, of_back = np.linalg.inv(back), np.linalg.inv(forth)  # blocks of the inverse
-            mu = np.sqrt(_norm(of_forth, of_back) / _norm(forth, back))
+            inverse_forth, inverse_back = np.linalg.inv(back), np.linalg.inv(forth)
+            mu = np.sqrt(_norm(inverse_forth, inverse_back) / _norm(forth, back))
             mu = column(np.where(abs(mu - 1) < 0.1, 1.0, mu))
             previous, size = (forth, back), max(np.max(abs(forth)), np.max(abs(back)))
-            forth, back = (mu * forth - of_forth / mu) / 2, (mu * back - of_back / mu) / 2
+            forth, back = (mu * forth - inverse_forth / mu) / 2, (mu * back - inverse_back / mu) / 2
             step = max(float(np.max(abs(new - old))) for new, old in zip((forth, back), previous, strict=True))
             last, change = change, step / float(size)
             if change <= _TOLERANCE or (change <= _STALLED and change >= last / 2):
@@ -132,7 +123,7 @@ class HalfPlane:
 
     @property
     def surface_impedance(self) -> ComplexArray:
-        """A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
+        """Impedance A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
         return np.asarray(-self._barnett_lothe[..., 0, :, :] - 1j * self._barnett_lothe[..., 1, :, :])
 
     @property
@@ -142,21 +133,22 @@ class HalfPlane:
 
     @shared_by_cases
     def compliance(self) -> Array:
-        """N: L^-1 restricted to (u_y, phi, psi); (..., 3, 3), symmetric."""
+        """N, the part of L^-1 on (u_y, phi, psi), symmetric; (..., 3, 3)."""
         return (self._barnett_lothe[..., 1, :, :] * self._scales)[..., 1:, 1:]
 
     @shared_by_cases
     def friction_coupling(self) -> Array:
-        """k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
+        """Friction coupling k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
         return -(self._barnett_lothe[..., 0, :, :] * self._scales)[..., 1:, 0]
 
     @shared_by_cases
     def tangential_compliance(self) -> Array:
-        """(L^-1)_xx [1/Pa]; (...)."""
+        """Tangential compliance (L^-1)_xx [1/Pa]; (...)."""
         return (self._barnett_lothe[..., 1, :, :] * self._scales)[..., 0, 0]
 
     @cached_property
     def _in_plane(self) -> tuple[Array, Array]:
+        """Coefficients of theory, 5.3: c11 - h T3^-1 h (...) and h T3^-1 (..., 3)."""
         m = self.material
         h = np.stack(np.broadcast_arrays(m.c13, m.e31, m.f31), -1)
         scale = self.scale[..., 1:]
@@ -166,23 +158,23 @@ class HalfPlane:
 
     @shared_by_cases
     def in_plane_stiffness(self) -> Array:
-        """c11 - h T3^-1 h [Pa]: sigma_xx per du_x/dx on a traction-free surface (theory section 5); (...)."""
+        """sigma_xx per du_x/dx on a traction-free surface, c11 - h T3^-1 h (theory, 5.3) [Pa]; (...)."""
         return self._in_plane[0]
 
     @property
     def in_plane_share(self) -> Array:
-        """h T3^-1: sigma_xx per surface (sigma_yy, D_y, B_y) at du_x/dx = 0 (theory section 5); (..., 3)."""
+        """sigma_xx per (sigma_yy, D_y, B_y) at du_x/dx = 0 on the surface, h T3^-1 (theory, 5.3); (..., 3)."""
         return self._in_plane[1]
 
     @cached_property
     def transverse_shear_share(self) -> Array:
-        """(e15, f15) / c44: surface (D_x, B_x) per sigma_xy at d(phi, psi)/dx = 0; (..., 2)."""
+        """Surface (D_x, B_x) per sigma_xy at d(phi, psi)/dx = 0, (e15, f15) / c44; (..., 2)."""
         m = self.material
         return np.stack(np.broadcast_arrays(m.e15 / m.c44, m.f15 / m.c44), -1)
 
     @cached_property
     def transverse_permittivity(self) -> Array:
-        """Surface (D_x, B_x) per -d(phi, psi)/dx at sigma_xy = 0, from (1b) and (1c) of the paper; (..., 2, 2)."""
+        """Surface (D_x, B_x) per -d(phi, psi)/dx at sigma_xy = 0 (theory, 1b and 1c); (..., 2, 2)."""
         m = self.material
         eps, g, mu = m.eps11 + m.e15**2 / m.c44, m.g11 + m.e15 * m.f15 / m.c44, m.mu11 + m.f15**2 / m.c44
         eps, g, mu = np.broadcast_arrays(eps, g, mu)
@@ -190,10 +182,10 @@ class HalfPlane:
 
 
 def _taken(values: Array, case_index: Indices) -> Array:
-    """Values of each case along the last axis, unless all share one; (..., case)."""
+    """Take the values of each case along the last axis, unless all share one; (..., case)."""
     return values if values.ndim == 0 or values.shape[-1] == 1 else np.take(values, case_index, -1)
 
 
 def _norm(*blocks: NDArray[Any]) -> Array:
-    """Frobenius norm of some blocks together; (...)."""
+    """Frobenius norm of several blocks together; (...)."""
     return np.asarray(np.sqrt(sum(np.einsum("...ij,...ij", block, block) for block in blocks)))

@@ -1,13 +1,7 @@
-"""Heat that a warm punch brings into layers at its contact and through the air beside it.
+"""Heat from a warm punch into layers, through its contact and the air beside it (docs/heat.md, Contact and Charge).
 
-The surface is cut into rings (of a line: pairs of strips), narrow at the contact's edge. In the modes of conduction
-along them, punch and layers are admittances in closed form, Y and Y_p. With the heat flux q into the layers, a punch
-that is warmer by theta has at each ring
-
-    theta / s - q / Y_p - q / Y = q g/kappa_air,
-
-where g is the gap: 0 in the contact. No heat enters where there is no punch above. The film below a ring in air charges
-the punch by the share 1 / (1 + g/g_film), with the thickness of air g_film whose capacitance is that of the film.
+The surface is cut into rings (under a line: pairs of strips), narrow at the contact's edge. In the modes of conduction
+along them, punch and layers have admittances in closed form.
 """
 
 from dataclasses import dataclass
@@ -19,11 +13,11 @@ import scipy  # scipy.interpolate, slow to import, and few jobs ask for heat
 from approximation.arrays import Array
 from solver.heat.conduction import Conduction, in_time, laplace
 
-# rings in the contact, and beside it: charges within 5e-3, of a far patch that heat just reaches within 1e-2
+# rings in the contact and beside it: errors of charges 5e-3, on a far patch that heat has just reached 1e-2
 _INSIDE, _OUTSIDE = 20, 48
 _FIRST = 0.02  # width of the rings at the edge over the radius, or over the diffusion length if that is less
 _FAR = 8.0  # diffusion lengths beside the contact
-_PARTS = 4  # of a ring, where a patch takes some of it
+_PARTS = 4  # of a ring that lies partly over a patch
 _AIR = 0.0257  # W/m/K at 20 degC
 # m: both faces' jumps of temperature as a gap, at an accommodation of 0.9 (E. Kennard, Kinetic Theory of Gases, 1938)
 _JUMP = 2.7e-7
@@ -33,20 +27,20 @@ Shape = Literal["disc", "strip"]
 
 @dataclass(frozen=True)
 class Spot:
-    """Contact through which heat comes."""
+    """Contact through which heat flows."""
 
-    shape: Shape  # of a point contact a disc, of one along a line a strip
+    shape: Shape  # disc of a point contact, strip of a line contact
     half_width: float  # radius, half of a width [m]
     punch: tuple[float, float] | None = None  # conductivity [W/m/K], heat capacity [J/m3/K]; None: a perfect conductor
     radius: float | None = None  # of a ball or roller with air around its contact [m]
 
     @property
     def area(self) -> float:
-        """Area of the contact [m2], of a strip its width [m]."""
+        """Area of a disc [m2], or width of a strip [m]."""
         return np.pi * self.half_width**2 if self.shape == "disc" else 2 * self.half_width
 
     def gap(self, r: Array) -> Array:
-        """Height of a ball or roller above the surface beside its contact (Hertz) [m]; infinite without air."""
+        """Hertz's gap below a ball or roller at distances r, infinite without air [m]; of the shape of ``r``."""
         x = np.maximum(r / self.half_width, 1.0)
         if self.radius is None:
             return np.where(x > 1, np.inf, 0.0)
@@ -66,11 +60,11 @@ class Patch:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Distances from the contact's middle between which a ring is taken in part [m]."""
+        """Distances from the contact's middle between which rings lie partly over the patch [m]."""
         return abs(self.half_width - abs(self.distance)), self.half_width + abs(self.distance)
 
     def share(self, r: Array, line: bool) -> Array:
-        """Share of the rings of some radii, or of pairs of strips, that the patch takes; (r,)."""
+        """Share of rings of radii r (r,) [m], or of pairs of strips, that lies over the patch; (r,)."""
         low, high = self.distance - self.half_width, self.distance + self.half_width
         if line:
             return (((low < r) & (r < high)).astype(float) + ((low < -r) & (-r < high))) / 2
@@ -83,7 +77,7 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Warmed:
-    """Weighted mean temperature of layers below a contact, by the distance from its middle."""
+    """Charge of warm layers below a contact, by the distance from its middle."""
 
     spot: Spot
     edges: Array  # of the rings [m]; (ring + 1,)
@@ -91,10 +85,7 @@ class Warmed:
 
     @classmethod
     def after(cls, body: Conduction, weights: Array, spot: Spot, time: float, leak: float = np.inf) -> "Warmed":
-        """Layers at a time after a punch that is warmer by 1 K has touched them.
-
-        weights : of the layers, as their charge per area and kelvin; leak [s] : time constant of what reads.
-        """
+        """Return layers of ``weights`` (charge per area and kelvin) at a time after a punch 1 K warmer touched."""
         diffusivity, r = body.conductivity / body.capacity, spot.half_width
         fastest = max(diffusivity.max(), spot.punch[0] / spot.punch[1]) if spot.punch else diffusivity.max()
         first = _FIRST * min(r, float(np.sqrt(diffusivity.min() * time)))
@@ -118,47 +109,44 @@ class Warmed:
         gap = spot.gap(middles)
         passing = np.isfinite(gap)
         resistance = np.where(gap > 0, gap + _JUMP, 0.0)[passing] / _AIR
-        warmed, collected = modes[passing], np.tensordot(weights, transfers, 1) / admittance
+        passing_modes, charge_per_flux = modes[passing], np.tensordot(weights, transfers, 1) / admittance
         parts = np.concatenate([impedance.real.T, impedance.imag.T])  # faster than products of complex numbers
-        real, imaginary = np.split((warmed * parts[:, None]) @ warmed.T, 2)
-        driven = root[passing] / (s[:, None] + 1 / leak)
-        flux = np.linalg.solve(real + np.diag(resistance) + 1j * imaginary, driven[..., None])[..., 0]
-        means = modes @ (collected * (warmed.T @ flux.T)) / root[:, None]
+        real, imaginary = np.split((passing_modes * parts[:, None]) @ passing_modes.T, 2)
+        step = root[passing] / (s[:, None] + 1 / leak)
+        flux = np.linalg.solve(real + np.diag(resistance) + 1j * imaginary, step[..., None])[..., 0]
+        means = modes @ (charge_per_flux * (passing_modes.T @ flux.T)) / root[:, None]
         return cls(spot, edges, in_time(means, time))
 
     def over(self, patch: Patch | None) -> float:
-        """Charge per kelvin of the punch below a patch, or on an electrode without end [C/K], of lines [C m-1 K-1]."""
+        """Charge per kelvin of the punch on a patch or an unbounded electrode [C/K], along a line [C m-1 K-1]."""
         if patch is None:
             return float(_areas(self.edges, self.spot) @ self.means)
         r, charges = self._parts(patch.ends)
         return float(charges @ patch.share(r, self.spot.shape == "strip"))
 
     def on_punch(self, film_gap: float) -> float:
-        """Charge per kelvin of a punch that is the electrode, through the air as well [C/K], of lines [C m-1 K-1].
-
-        film_gap : thickness of air whose capacitance is that of the film [m].
-        """
+        """Charge per kelvin on a punch that is the electrode, also through air [C/K], along a line [C m-1 K-1]."""
         r, charges = self._parts((self.spot.half_width,))
         gap = self.spot.gap(r)
         exterior = gap > 0
         return float(charges[~exterior].sum() + charges[exterior] @ (film_gap / (film_gap + gap[exterior])))
 
     def _parts(self, ends: tuple[float, ...]) -> tuple[Array, Array]:
-        """Middles of the parts of rings [m], which some radii divide, and their charges; (part,)."""
+        """Cut rings into parts, at ``ends`` [m] too, and return the parts' middles [m] and charges; (part,) each."""
         rings = np.arange(len(self.edges))
         parts = np.interp(np.arange(_PARTS * rings[-1] + 1) / _PARTS, rings, self.edges)
         parts = np.unique(np.concatenate([parts, [end for end in ends if end < parts[-1]]]))
-        within = np.append(0.0, np.cumsum(_areas(self.edges, self.spot) * self.means))
-        charges = np.diff(scipy.interpolate.CubicSpline(self.edges, within)(parts))
+        cumulative = np.append(0.0, np.cumsum(_areas(self.edges, self.spot) * self.means))
+        charges = np.diff(scipy.interpolate.CubicSpline(self.edges, cumulative)(parts))
         return (parts[1:] + parts[:-1]) / 2, charges
 
 
 def _graded(length: float, first: float, count: int) -> Array:
-    """Edges of cells from 0 to a length [m] that grow from the first one on; (count + 1,)."""
+    """Edges of cells from 0 to a length [m], the first one of width ``first`` and growing; (count + 1,)."""
     growth = np.log1p(length / first)
     return np.asarray(length * np.expm1(growth * np.linspace(0, 1, count + 1)) / np.expm1(growth))
 
 
 def _areas(edges: Array, spot: Spot) -> Array:
-    """Areas between edges [m2], of pairs of strips their width [m]; (ring,)."""
+    """Areas of rings [m2], or widths of pairs of strips [m]; (ring,)."""
     return np.pi * np.diff(edges**2) if spot.shape == "disc" else 2 * np.diff(edges)

@@ -23,7 +23,7 @@ from solver.line.windows import FIRST, LAST, Kind, number_of, searched, window
 from solver.stack.electroded import met
 
 _BELOW, _ABOVE = 2, 1  # windows searched for other lengths of charged contacts
-_MARGIN = 1.05  # ratio by which these lengths lie outside the contact's window, whose rough neighbours cannot tell
+_MARGIN = 1.05  # ratio to the contact's window beyond which rough tables can tell another length from the contact's
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,8 +101,8 @@ class Films:
             cases = np.flatnonzero(charged & (self._windows == number))
             exact = window(self.kind, number)
             lengths, enough = [exact.half_lengths], [self._enough(cases, exact)]
-            for other in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
-                rough = window(self.kind, other, rough=True)
+            for neighbour in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
+                rough = window(self.kind, neighbour, rough=True)
                 elsewhere = (rough.half_lengths * _MARGIN < exact.lower) | (rough.half_lengths > exact.upper * _MARGIN)
                 lengths.append(rough.half_lengths[elsewhere])
                 enough.append(self._enough(cases, rough)[:, elsewhere])

@@ -1,4 +1,4 @@
-"""Effective constants of two-phase composites poled along y (theory section 7), of AlScN, and composites by name."""
+"""Effective constants of two-phase composites poled along y and of AlScN (theory, section 7)."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -12,8 +12,8 @@ from solver.material.constants import ANY_SIZE, UNITS, VACUUM_PERMITTIVITY, Mate
 from solver.material.evidence import Sourced
 from solver.names import COMPOSITES, FACTORS, THERMAL
 
-_FIELD = 1e9  # V/m: brings couplings and permittivities of ceramics near their stiffnesses
-# of AlN, of wurtzite ScN, and the bowing: v(x) = a (1 - x) + b x + c x (1 - x); GPa and C/m2
+_FIELD = 1e9  # V/m: scales couplings and permittivities of ceramics to the size of their stiffnesses
+# of AlN, of wurtzite ScN, and the bowing, as in theory, section 7; GPa and C/m2
 _BOWED = {
     "c11": (410.2, 295.3, -210.3),
     "c12": (142.4, 198.6, -61.9),
@@ -137,8 +137,8 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
     Q = (schur + R @ T_inv @ transposed(R)) / scales
     R, T = R / scales, T / scales
 
-    # c12 belongs to the out-of-plane stress, which the plane blocks do not hold: the layers share eps_xx, and the
-    # shear stiffness (c11 - c12)/2 in the plane of the layers averages
+    # c12 is of the out-of-plane stress, which the plane blocks lack: the layers share eps_xx, and the shear stiffness
+    # (c11 - c12)/2 in the plane of the layers averages
     shear = v * (first.c11 - first.c12) / 2 + (1 - v) * (second.c11 - second.c12) / 2
     return _admissible(
         Material(
@@ -211,7 +211,7 @@ def aluminium_scandium_nitride(scandium_fraction: ArrayLike) -> Material:
 
 
 def _of_blocks(h: Array, T: Array, G: Array) -> dict[str, Any]:
-    """Constants of the rows (y, phi, psi): h couples them to eps_xx, T to their y-, G to their x-derivatives."""
+    """Constants by name of h (..., 3), coupled to eps_xx, and of the blocks T and G (..., 3, 3) of (y, phi, psi)."""
     constants = {"c13": h[..., 0], "e31": h[..., 1], "f31": h[..., 2]}
     for block, (c, e, f, axis) in ((T, ("c33", "e33", "f33", "33")), (G, ("c44", "e15", "f15", "11"))):
         constants |= {c: block[..., 0, 0], e: block[..., 0, 1], f: block[..., 0, 2]}
@@ -220,6 +220,7 @@ def _of_blocks(h: Array, T: Array, G: Array) -> dict[str, Any]:
 
 
 def _fraction(fraction: ArrayLike) -> Array:
+    """Return a volume fraction as an array, or refuse values outside 0 to 1."""
     v = np.asarray(unmasked(fraction), dtype=np.float64)
     bad = v[~((v >= 0) & (v <= 1))]
     if bad.size:
@@ -228,7 +229,7 @@ def _fraction(fraction: ArrayLike) -> Array:
 
 
 def _scale(*phases: Material) -> Array:
-    """Diagonal that brings the blocks of all phases near one (theory section 2); (4,)."""
+    """Diagonal that scales the blocks of all phases to the order of one; (4,)."""
     stiffness = max(float(np.max(p.c33)) for p in phases)
     electric = max(float(np.max(p.eps33)) for p in phases)
     magnetic = max(float(np.max(p.mu33)) for p in phases)
@@ -236,7 +237,7 @@ def _scale(*phases: Material) -> Array:
 
 
 def _mori_tanaka_shear(G_f: Array, G_m: Array, v: Array) -> Array:
-    """Longitudinal shear block G_m + v dG (I + (1-v)/2 G_m^-1 dG)^-1, scaled before the inverse; (..., 3, 3)."""
+    """Longitudinal shear block G* of the fibrous composite, scaled before the inverse; (..., 3, 3)."""
     scale = 1 / np.sqrt(np.abs(np.diagonal(G_m, axis1=-2, axis2=-1)))
     scales = scale[..., :, None] * scale[..., None, :]
     gap, host = (G_f - G_m) * scales, G_m * scales
@@ -245,13 +246,13 @@ def _mori_tanaka_shear(G_f: Array, G_m: Array, v: Array) -> Array:
 
 
 def _admissible(material: Material, phases: tuple[Material, Material], v: Array, *, parallel: bool) -> Material:
-    """The composite, checked, with constants for heat where it is one material."""
+    """Check a composite, and add thermal constants if it has no case axes."""
     material.check()
     return material if v.shape else replace(material, thermal=_thermal(material, phases, float(v), parallel))
 
 
 def _thermal(composite: Material, phases: tuple[Material, Material], v: float, parallel: bool) -> dict[str, Sourced]:
-    """Constants for heat of a composite whose phases have them; ``beside``: heat flows through both side by side."""
+    """Thermal constants of a composite that its phases have; ``parallel``: heat flows through them side by side."""
     first, second = ({name: known.value for name, known in phase.thermal.items()} for phase in phases)
     values: dict[str, float] = {}
     if (name := "heat_capacity") in first and name in second:
@@ -260,12 +261,12 @@ def _thermal(composite: Material, phases: tuple[Material, Material], v: float, p
         power = 1 if parallel else -1
         values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
     loads = [_thermal_load(phase, known) for phase, known in zip(phases, (first, second), strict=True)]
-    matrix, other, whole = (_axial(body) for body in (*phases, composite))
-    if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(matrix - other) == len(matrix):
+    matrix_1, matrix_2, matrix = (_axial(body) for body in (*phases, composite))
+    if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(matrix_1 - matrix_2) == len(matrix):
         # with the change of temperature these strains and fields are uniform in both phases, and so in the composite
-        uniform = np.linalg.solve(matrix - other, loads[1] - loads[0])
-        load = loads[0] + (matrix - whole) @ uniform
-        across, along = np.linalg.solve(whole[:2, :2], -load[:2])
+        uniform = np.linalg.solve(matrix_1 - matrix_2, loads[1] - loads[0])
+        load = loads[0] + (matrix_1 - matrix) @ uniform
+        across, along = np.linalg.solve(matrix[:2, :2], -load[:2])
         values["expansion"] = across
         values["pyroelectric"] = load[2] / _FIELD + composite.e31 * 2 * across + composite.e33 * along
     source = f"of {phases[0].name} and {phases[1].name} by the relation of Levin (1967) and rules of mixtures"
@@ -286,7 +287,7 @@ def _axial(material: Material) -> Array:
 
 
 def _thermal_load(material: Material, known: Mapping[str, float]) -> Array | None:
-    """Stresses and inductions per kelvin at no strain and no field, scaled; (4,). None if a constant is not known."""
+    """Scaled stresses and inductions per kelvin at zero strain and field (4,), None if a constant is unknown."""
     polar = bool(material.e31 or material.e33 or material.e15)
     if "expansion" not in known or (polar and "pyroelectric" not in known) or np.isnan(material.c12):
         return None
@@ -296,7 +297,7 @@ def _thermal_load(material: Material, known: Mapping[str, float]) -> Array | Non
     return load
 
 
-#: The two phases of a composite; none of one that is not in ``solver.names.MIXTURES``.
+#: The two phases of a composite in ``solver.names.MIXTURES``; empty for another.
 Phases = Sequence[Material]
 
 _LAWS: dict[str, Callable[[Phases, float | Array], Material]] = {
@@ -307,7 +308,7 @@ _LAWS: dict[str, Callable[[Phases, float | Array], Material]] = {
 
 
 def compose(composite: str, phases: Phases, fraction: float | Array) -> Material:
-    """The composite of a name."""
+    """Return the composite of a name, with its phases and its fraction (...)."""
     if composite not in _LAWS:
         raise MaterialError(f"composite: {composite!r} is not one of {', '.join(COMPOSITES)}")
     return _LAWS[composite](phases, fraction)

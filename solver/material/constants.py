@@ -35,7 +35,7 @@ TRIGONAL: dict[str, str] = {"c14": "Pa", **dict.fromkeys(("e11", "e14", "e22"), 
 
 _ALL_UNITS = UNITS | TRIGONAL
 
-#: Every constant: of a material that is computed from others, or without dimension.
+#: Every constant, for materials that are computed from others or dimensionless.
 ANY_SIZE = frozenset(_ALL_UNITS)
 
 _MU11_HINT = (
@@ -316,14 +316,14 @@ class Material:
         >>> [variant.name for variant in solver.find("PZT-5H").variants()]
         ['PZT-5H (alternative 1)']
         """
-        others = []
+        variants = []
         for k, alternative in enumerate(self.alternatives, 1):
             any_size = (self.any_size - alternative.constants.keys()) | alternative.any_size
             changed: dict[str, Any] = {
                 **alternative.constants, "source": alternative.source, "alternatives": (), "any_size": any_size,
             }  # fmt: skip
-            others.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
-        return others
+            variants.append(replace(self, **changed, name=f"{self.name} (alternative {k})"))
+        return variants
 
     @property
     def spread(self) -> dict[str, tuple[float, float]]:
@@ -331,13 +331,9 @@ class Material:
 
         The alternatives hold as sets: a mixture of their constants need not be admissible.
         """
-        several = (self, *self.variants())
-        values = {name: [float(getattr(variant, name)) for variant in several] for name in _ALL_UNITS}
-        return {
-            name: (min(several_values), max(several_values))
-            for name, several_values in values.items()
-            if min(several_values) < max(several_values)
-        }
+        materials = (self, *self.variants())
+        values = {name: [float(getattr(material, name)) for material in materials] for name in _ALL_UNITS}
+        return {name: (min(known), max(known)) for name, known in values.items() if min(known) < max(known)}
 
     def plain(self) -> dict[str, Any]:
         """The mapping that :meth:`from_mapping` reads back to the last bit, of a material without case axes."""
@@ -468,31 +464,31 @@ class Material:
         _ADMISSIBLE.add(self)
 
     def _require(self, holds: BoolArray, constant: str, rule: str) -> None:
-        """Raise, with the first offending value, unless the condition holds in every case."""
+        """Refuse the material, with the first offending value, unless a condition holds in every case."""
         if not np.all(holds):
             value = np.broadcast_to(getattr(self, constant), np.shape(holds))[np.logical_not(holds)].flat[0]
             raise MaterialError(f"{self.name}: {constant} = {value:g} {_ALL_UNITS[constant]}: {rule}")
 
 
 def _read(label: str, constant: str, text: str) -> float:
-    """A constant with its unit, or Young's modulus, in SI."""
+    """Return a constant with its unit, or Young's modulus, in SI."""
     try:
         return in_si(text, _ALL_UNITS.get(constant, "Pa"))
     except ValueError as error:
         raise MaterialError(f"{label}: {constant}: {error}") from None
 
 
-#: Materials that were checked.
+#: Materials that :meth:`Material.check` has found admissible.
 _ADMISSIBLE: WeakSet[Material] = WeakSet()
 
 
 def combined(change: Callable[..., Array], materials: Iterable[Material], name: str) -> Material:
-    """The material whose every constant is made of those of some materials; no limits and alternatives."""
-    several = tuple(materials)
-    for material in several:
+    """Return a material with ``change`` of each constant of the given materials, without limits and alternatives."""
+    originals = tuple(materials)
+    for material in originals:
         material.require_axial()
     constants: dict[str, Any] = {
-        c: change(*(getattr(material, c) for material in several)) for c in (*UNITS, "conductor")
+        c: change(*(getattr(material, c) for material in originals)) for c in (*UNITS, "conductor")
     }
     return Material(**constants, name=name, any_size=ANY_SIZE)
 

@@ -1,9 +1,8 @@
-"""Cuts of a crystal: names, rotations, and the generalised stiffness tensor of any material in the axes of its surface.
+"""Cuts of a crystal: names, rotations, and the generalised stiffness tensor in the axes of the surface.
 
-The surface has the axes x, y and its outward normal z; the crystal has X, Y, Z, and Z is the axis of poling. A rotation
-has the surface's axes as rows, in those of the crystal. Euler angles turn the crystal's axes about Z, the new X and the
-new Z (surface acoustic waves count them so): ``nY`` has the angles (0, n - 90 deg, 0), x along X and the normal turned
-from Y by n degrees about X towards Z.
+The surface has the axes x, y and its outward normal z, the crystal X, Y and its axis of poling Z. Rows of a rotation
+are the surface's axes in the crystal. Euler angles turn about Z, the new X and the new Z (as for surface acoustic
+waves): ``nY`` has (0, n - 90 deg, 0), so x along X and the normal turned from Y by n degrees about X towards Z.
 """
 
 import re
@@ -30,7 +29,7 @@ _VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
 def canonical(cut: object) -> str:
-    """Text of a cut: its name, or ``euler`` and three angles in degrees; ValueError where it is no rotation."""
+    """Return a cut as text, its name or ``euler`` and three angles in degrees; ValueError if it is no rotation."""
     if isinstance(cut, str):
         _angles(cut)
         return cut
@@ -48,12 +47,12 @@ def canonical(cut: object) -> str:
 
 
 def rotation(cut: str) -> Array:
-    """Axes of the surface by rows, in those of the crystal; (3, 3). An empty cut is Z."""
+    """Rotation from the crystal's axes to the surface's, which are its rows; an empty cut is Z; (3, 3)."""
     return np.asarray(scipy.spatial.transform.Rotation.from_euler("ZXZ", _angles(cut), degrees=True).as_matrix().T)
 
 
 def of_family(family: str, angle: float) -> str:
-    """Text of the cut of a family of the factor `cut`, with its angle in radians where it has one."""
+    """Return the text of a cut by its family in the factor ``cut`` and, where it has one, its angle [rad]."""
     if family not in ANGLED_CUTS:
         return family
     degrees = repr(round(float(np.degrees(angle)), 12))
@@ -61,7 +60,7 @@ def of_family(family: str, angle: float) -> str:
 
 
 def split(name: str) -> tuple[str, str] | None:
-    """Cut and material of a name such as ``36Y LiNbO3``; None where it begins with no cut."""
+    """Split a name such as ``36Y LiNbO3`` into cut and material; None if it does not start with a cut."""
     match = re.fullmatch(rf"(?P<cut>{_NAMED.pattern}) (?P<material>\S.*)", name)
     return (match["cut"], match["material"]) if match else None
 
@@ -88,7 +87,7 @@ def generalised_stiffness(constants: Mapping[str, float], cut: str) -> Array:
 
 
 def _matrices(v: Mapping[str, float]) -> tuple[Array, ...]:
-    """c (6, 6), e and f (3, 6), eps, g and mu (3, 3) in the crystal's axes, of the trigonal classes 3m and 32 too."""
+    """c (6, 6), e and f (3, 6), eps, g and mu (3, 3) in the crystal's axes, trigonal classes 3m and 32 included."""
     c = transverse(*(v[name] for name in ("c11", "c12", "c13", "c33", "c44")), stiffness=True)
     for (i, j), value in {(0, 3): v["c14"], (1, 3): -v["c14"], (4, 5): v["c14"]}.items():
         c[i, j] = c[j, i] = value
@@ -120,8 +119,7 @@ def _angles(cut: str) -> tuple[float, float, float]:
 def _angles_of(matrix: Array) -> list[float]:
     """Euler angles of a rotation in degrees."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # where the axis is the normal the angles about both are one
-        angles: list[float] = (
-            scipy.spatial.transform.Rotation.from_matrix(matrix.T).as_euler("ZXZ", degrees=True).tolist()
-        )
+        warnings.simplefilter("ignore")  # if the axis is the normal, only the sum of two angles is defined
+        turn = scipy.spatial.transform.Rotation.from_matrix(matrix.T)
+        angles: list[float] = turn.as_euler("ZXZ", degrees=True).tolist()
     return angles

@@ -1,9 +1,7 @@
-"""Constants as data sheets print them, converted to stiffness, piezoelectric stress constants and clamped permittivity.
+"""Constants as data sheets print them, converted to c^E, e and eps^S.
 
-Vendors give compliances s^E, charge constants d and free permittivities eps^T (IEEE Std 176-1987, strain-charge form);
-finite-element decks give 6 x 6 and 3 x 6 matrices. The solver needs c^E, e and eps^S:
-
-    c = s^-1,   e = d c,   eps^S = eps^T - d e^T.
+Data sheets print compliances s^E, charge constants d and free permittivities eps^T (IEEE Std 176-1987, strain-charge
+form), finite-element decks 6 x 6 and 3 x 6 matrices: c = s^-1,   e = d c,   eps^S = eps^T - d e^T.
 """
 
 import re
@@ -35,7 +33,7 @@ MATRICES: dict[str, tuple[tuple[int, int], str]] = {
     "eps": ((3, 3), "F m-1"),
 }
 ENTRIES = (*UNITS, *MATRICES, "order")
-#: Independent entries of each matrix of a transversely isotropic body, and their places in the order of IEEE.
+#: Independent entries of each matrix of a transversely isotropic body, and their indices in the order of IEEE.
 _ELASTIC = {"11": (0, 0), "12": (0, 1), "13": (0, 2), "33": (2, 2), "44": (3, 3)}
 _COUPLED = {"31": (2, 0), "33": (2, 2), "15": (0, 4)}
 _PLACES = {"c": _ELASTIC, "s": _ELASTIC, "e": _COUPLED, "d": _COUPLED, "eps": {"11": (0, 0), "33": (2, 2)}}
@@ -50,12 +48,12 @@ _USUAL = {
     **dict.fromkeys(("eps_r11", "eps_r33"), Usual(0.5, 1e6, "{0:g} F/m (eps_T11 and eps_T33 take it)")),
 }
 _ABAQUS = [0, 1, 2, 5, 4, 3]  # Abaqus counts shear 12, 13, 23; IEEE 23, 13, 12
-_ROUNDED, _FLOOR = 5e-3, 1e-3  # of an entry, which sheets round to three digits, and of the largest one
-_DEPENDENT = 0.05  # of the largest entry: 66 follows from 11 and 12, and sheets print what was measured
-_DIFFERENT = 0.1  # between a coupling factor and the constants that it follows from
+_ROUNDED, _FLOOR = 5e-3, 1e-3  # deviations allowed: of an entry, rounded to three digits, and of the largest one
+_DEPENDENT = 0.05  # of the largest entry, for 66: it follows from 11 and 12, but sheets print measured values
+_DIFFERENT = 0.1  # allowed between a coupling factor and its value from the other constants
 
 
-#: Names that data sheets print, without blanks, _ and ^, and those of the same constants here.
+#: Names in data sheets, without blanks, _ and ^, and those of the same constants here.
 _PRINTED = {
     r"([sc])E?(11|12|13|33|44|66)E?": r"\1\2",
     r"([sc])D?(11|12|13|33|44|66)D?": r"\1\2, which is at constant electric field",
@@ -68,7 +66,7 @@ _PRINTED = {
 
 
 def meant(name: str, known: Collection[str]) -> str:
-    """Return what an unknown name in a material's file probably means, or all names that may be there."""
+    """Return the probable meaning of an unknown name in a material's file, or all allowed names."""
     bare = re.sub(r"[\s_^']", "", name)
     printed = (match.expand(ours) for form, ours in _PRINTED.items() if (match := re.fullmatch(form, bare)))
     near = next(printed, None) or next(iter(get_close_matches(name, known, 1, 0.7)), None)
@@ -76,10 +74,7 @@ def meant(name: str, known: Collection[str]) -> str:
 
 
 def converted(mapping: Mapping[str, object]) -> dict[str, object]:
-    """Return the mapping with data-sheet entries replaced by c, e and eps at constant field and strain.
-
-    ValueError names the entry, its value and what is allowed. Other entries stay as they are.
-    """
+    """Return the mapping with data-sheet entries replaced by c, e and eps at constant field and strain."""
     sheet = {name for name in ENTRIES if name in mapping}
     if not sheet:
         return dict(mapping)
@@ -133,7 +128,7 @@ def stress_matrices(values: Mapping[str, float]) -> tuple[Array, Array, Array]:
 
 
 def strain_charge(c: Array, e: Array, eps: Array) -> dict[str, float]:
-    """Return s^E, d, free permittivities and coupling factors of 6 x 6 c [Pa], 3 x 6 e [C/m2], 3 x 3 eps [F/m]."""
+    """Return s^E, d, free permittivities and coupling factors of c (6, 6) [Pa], e (3, 6) [C/m2], eps (3, 3) [F/m]."""
     s = np.asarray(np.linalg.inv(c), dtype=np.float64)
     d = np.asarray(e @ s)
     free = eps + d @ e.T
@@ -157,7 +152,7 @@ _STRESS = {
 
 
 def _number(name: str, value: object) -> float:
-    """Entry in SI; a number of a size that no material has is refused with a question."""
+    """Return an entry in SI, or refuse a number whose size no material has with a question."""
     unit, usual = UNITS.get(name) or _STRESS[name], _USUAL.get(name)
     try:
         number = in_si(value, unit) if isinstance(value, str) else _cell(value, f" [{unit}]")
@@ -173,7 +168,7 @@ def _number(name: str, value: object) -> float:
 
 
 def _check_relative(mapping: Mapping[str, object]) -> None:
-    """Refuse a relative permittivity of a strain-charge sheet as ``eps33``, which is at constant strain."""
+    """Refuse a relative permittivity beside charge constants as ``eps11`` or ``eps33``, at constant strain."""
     if {"d", "d31", "d33", "d15"}.isdisjoint(mapping):
         return
     for name in ("eps11", "eps33"):
@@ -193,7 +188,7 @@ def _one_of(values: Mapping[str, float], *forms: tuple[str, ...]) -> None:
 
 
 def _stiffness(values: Mapping[str, float]) -> Array:
-    """Stiffness matrix c^E, (6, 6) in IEEE order; NaN where c12 is unknown."""
+    """Stiffness matrix c^E in IEEE order, with NaN where c12 is unknown; (6, 6) [Pa]."""
     if "E" in values or "nu" in values:
         _all_of(values, ("E", "nu"))
         young, poisson = values["E"], values["nu"]
@@ -219,7 +214,7 @@ def _stiffness(values: Mapping[str, float]) -> Array:
 
 
 def _transverse_entry(values: Mapping[str, float], letter: str, rule: Any) -> float:
-    """Entry 12 as given, or from entries 11 and 66; both must agree."""
+    """Entry 12 as stated or from entries 11 and 66, which must agree."""
     stated, shear = values.get(f"{letter}12"), values.get(f"{letter}66")
     if shear is None or f"{letter}11" not in values:
         if stated is None:
@@ -235,7 +230,7 @@ def _transverse_entry(values: Mapping[str, float], letter: str, rule: Any) -> fl
 
 
 def transverse(a11: float, a12: float, a13: float, a33: float, a44: float, *, stiffness: bool = False) -> Array:
-    """6 x 6 matrix of a transversely isotropic body; entry 66 is (a11 - a12)/2 of a stiffness, 2 (a11 - a12) else."""
+    """Stiffness or compliance matrix of a transversely isotropic body; (6, 6)."""
     a66 = (a11 - a12) / 2 if stiffness else 2 * (a11 - a12)
     matrix = np.diag([a11, a11, a33, a44, a44, a66])
     matrix[0, 1] = matrix[1, 0] = a12
@@ -244,14 +239,14 @@ def transverse(a11: float, a12: float, a13: float, a33: float, a44: float, *, st
 
 
 def piezo(a31: float, a33: float, a15: float) -> Array:
-    """3 x 6 matrix of a transversely isotropic body."""
+    """Piezoelectric matrix of a transversely isotropic body; (3, 6)."""
     matrix = np.zeros((3, 6))
     matrix[2, :3], matrix[0, 4], matrix[1, 3] = (a31, a31, a33), a15, a15
     return matrix
 
 
 def _coupling(values: Mapping[str, float], c: Array, free: Mapping[str, float]) -> Array:
-    """Piezoelectric stress constants e, (3, 6), from e, from d, or from coupling factors."""
+    """Piezoelectric stress constants from e, from d, or from coupling factors; (3, 6) [C/m2]."""
     if any(name in values for name in ("e31", "e33", "e15")):
         return piezo(*(values.get(name, 0.0) for name in ("e31", "e33", "e15")))
     compliance = {"31": (0, "33", -1.0), "33": (2, "33", 1.0), "15": (3, "11", 1.0)}
@@ -286,26 +281,26 @@ def _coupling(values: Mapping[str, float], c: Array, free: Mapping[str, float]) 
 
 
 def _all_of(values: Mapping[str, float], names: tuple[str, ...]) -> None:
-    """Refuse a form that lacks an entry."""
+    """Refuse a form without one of its entries."""
     if missing := [name for name in names if name not in values]:
         raise ValueError(f"{missing[0]}: missing; needed are {', '.join(names)}")
 
 
 def _entries_of_matrices(mapping: Mapping[str, object], values: Mapping[str, float]) -> dict[str, float]:
-    """Single constants of the matrices `c`, `s`, `e`, `d` and `eps`, which must have the body's symmetry."""
+    """Return the single constants of the matrices ``c``, ``s``, ``e``, ``d`` and ``eps``, or refuse their symmetry."""
     order = mapping.get("order", "IEEE")
     if not (isinstance(order, str) and order.lower() in ("ieee", "abaqus")):
         raise ValueError(f"order: {order!r} must be IEEE (11 22 33 23 13 12) or Abaqus (11 22 33 12 13 23)")
-    turn = _ABAQUS if order.lower() == "abaqus" else list(range(6))
+    columns = _ABAQUS if order.lower() == "abaqus" else list(range(6))
     entries: dict[str, float] = {}
     for name in (name for name in MATRICES if name in mapping):
         matrix = _matrix(name, mapping[name])
         if name in "cs":
-            matrix = matrix[np.ix_(turn, turn)]
+            matrix = matrix[np.ix_(columns, columns)]
         elif name in "ed":
-            matrix = matrix[:, turn]
+            matrix = matrix[:, columns]
         singles = _singles(name, matrix)
-        _check_symmetry(name, matrix, singles, turn)
+        _check_symmetry(name, matrix, singles, columns)
         if double := sorted(singles.keys() & values.keys()):
             raise ValueError(f"{name} and {double[0]}: two forms of the same constants; keep one")
         entries |= singles
@@ -313,7 +308,7 @@ def _entries_of_matrices(mapping: Mapping[str, object], values: Mapping[str, flo
 
 
 def _matrix(name: str, value: object) -> Array:
-    """Matrix in SI, from rows of numbers or texts with units, or `{unit: GPa, rows: [...]}`; transposed if 6 x 3."""
+    """Return a matrix in SI from rows of numbers or texts with units, or ``{unit: GPa, rows: [...]}``."""
     shape, unit = MATRICES[name]
     scale = 1.0
     if isinstance(value, Mapping):
@@ -337,7 +332,7 @@ def _matrix(name: str, value: object) -> Array:
                 matrix[i, j] = in_si(cell, unit) if isinstance(cell, str) else scale * _cell(cell)
             except ValueError as error:
                 raise ValueError(f"{name}, row {i + 1}, column {j + 1}: {error}") from None
-    return matrix if matrix.shape == shape else matrix.T
+    return matrix if matrix.shape == shape else matrix.T  # 6 x 3
 
 
 def _is_row(row: object) -> bool:
@@ -350,27 +345,27 @@ def _cell(cell: object, unit: str = "") -> float:
     return float(cell)
 
 
-def _check_symmetry(name: str, matrix: Array, singles: Mapping[str, float], turn: list[int]) -> None:
+def _check_symmetry(name: str, matrix: Array, singles: Mapping[str, float], columns: list[int]) -> None:
     """Refuse a matrix without isotropy about axis 3, by the entry that differs most."""
     values = list(singles.values())
     if name in "cs":
-        whole = transverse(*values, stiffness=name == "c")
+        symmetric = transverse(*values, stiffness=name == "c")
     elif name == "eps":
-        whole = np.diag([values[0], values[0], values[1]])
+        symmetric = np.diag([values[0], values[0], values[1]])
     else:
-        whole = piezo(*values)
-    largest = np.max(np.abs(whole))
-    allowed = _ROUNDED * np.abs(whole) + _FLOOR * largest
+        symmetric = piezo(*values)
+    largest = np.max(np.abs(symmetric))
+    allowed = _ROUNDED * np.abs(symmetric) + _FLOOR * largest
     if name in "cs":
         allowed[5, 5] = _DEPENDENT * largest
-    excess = np.abs(matrix - whole) - allowed
+    excess = np.abs(matrix - symmetric) - allowed
     if np.max(excess) > 0:
         row, column = np.unravel_index(np.argmax(excess), matrix.shape)
-        back = np.argsort(turn)
-        shown_row = back[row] if name in "cs" else row
-        shown_column = column if name == "eps" else back[column]
-        place = f"{name}, row {shown_row + 1}, column {shown_column + 1}"
+        stated = np.argsort(columns)  # index in the user's order
+        stated_row = stated[row] if name in "cs" else row
+        stated_column = column if name == "eps" else stated[column]
         raise ValueError(
-            f"{place}: {matrix[row, column]:g} where a body that is isotropic about axis 3 has "
-            f"{whole[row, column]:.4g} (`order: IEEE` or `order: Abaqus` says how shears are counted)"
+            f"{name}, row {stated_row + 1}, column {stated_column + 1}: {matrix[row, column]:g} "
+            "where a body that is isotropic about axis 3 has "
+            f"{symmetric[row, column]:.4g} (`order: IEEE` or `order: Abaqus` says how shears are counted)"
         )

@@ -1,4 +1,4 @@
-"""Evidence on a material beyond its constants: other published values, limits and constants for heat, with sources."""
+"""Evidence on a material beyond its constants: other published values, limits and thermal constants, with sources."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -17,23 +17,20 @@ _MOST_ALTERNATIVES = 20
 
 @dataclass(frozen=True)
 class Sourced:
-    """Limit or thermal constant of a material, in the unit of ``solver.names.LIMITS`` and ``THERMAL``.
+    """Limit or thermal constant of a material, in the unit of ``solver.names.LIMITS`` or ``THERMAL``."""
 
-    Of limits the lowest if sources differ.
-    """
-
-    value: float
+    value: float  # of a limit the lowest if sources differ
     source: str
 
     def plain(self, name: str) -> dict[str, Any]:
-        """Value and source as :func:`read_sourced` reads them back."""
+        """Return value and source as :func:`read_sourced` reads them."""
         units = {**LIMITS, **THERMAL}[name].units
         return {"value": with_unit({name: self.value}, {name: units})[name], "source": self.source}
 
 
 @dataclass(frozen=True)
 class Alternative:
-    """Other published values of some constants, to be taken together, in their SI units."""
+    """Other published values of several constants, which belong together, in SI units."""
 
     constants: dict[str, float]
     source: str
@@ -41,7 +38,7 @@ class Alternative:
 
 
 def with_unit(values: Mapping[str, float], units: Mapping[str, str]) -> dict[str, float | str]:
-    """Plain values, as texts with their unit where bare ones would ask."""
+    """Return plain values, with their unit as text where a bare number would be questioned."""
     unusual = questions({name: np.array(value) for name, value in values.items()}, units, values)
     return {name: f"{value!r} {units[name]}" if name in unusual else value for name, value in values.items()}
 
@@ -52,7 +49,7 @@ _ANY_SIGN = ("pyroelectric", "expansion")
 
 
 def read_sourced(section: str, entries: object) -> dict[str, Sourced]:
-    """Values of a section from plain ones, ``{name: {"value": 30e6, "source": "..."}}``."""
+    """Read the values of a section from ``{name: {"value": 30e6, "source": "..."}}``."""
     read = {}
     known = SECTIONS[section]
     for name, entry in _mapping(section, entries, known).items():
@@ -70,7 +67,7 @@ def read_sourced(section: str, entries: object) -> dict[str, Sourced]:
 
 
 def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Alternative, ...]:
-    """Alternatives from plain values, ``[{"eps33": 11e-9, "source": "..."}]``."""
+    """Read alternatives from ``[{"eps33": 11e-9, "source": "..."}]``."""
     if not isinstance(entries, list | tuple):
         raise ValueError(f"alternatives: {shown(entries)} is not a list of constants with their source")
     if len(entries) > _MOST_ALTERNATIVES:
@@ -93,7 +90,7 @@ def read_alternatives(entries: object, units: Mapping[str, str]) -> tuple[Altern
 
 
 def _in_si(where: str, value: Any, units: str) -> Any:
-    """A text with its unit in SI; anything else unchanged."""
+    """Return a text with its unit in SI, anything else unchanged."""
     try:
         return in_si(value, units) if isinstance(value, str) else value
     except ValueError as error:
@@ -101,6 +98,7 @@ def _in_si(where: str, value: Any, units: str) -> Any:
 
 
 def _mapping(where: str, content: object, known: Collection[str]) -> Mapping[str, Any]:
+    """Refuse what is not a mapping of known names."""
     if not isinstance(content, Mapping):
         raise ValueError(f"{where}: {shown(content)} is not a mapping of {', '.join(known)}")
     for name in content:
@@ -110,6 +108,7 @@ def _mapping(where: str, content: object, known: Collection[str]) -> Mapping[str
 
 
 def _source(where: str, fields: Mapping[str, Any]) -> str:
+    """Return the source of an entry, which must be a text."""
     source = fields.get("source", "")
     if not isinstance(source, str) or not source.strip():
         raise ValueError(f"{where}: source: {shown(source)} is not a text that says where it comes from")

@@ -14,7 +14,7 @@ from solver.material.cuts import split
 
 @cache
 def materials() -> Mapping[str, Material]:
-    """Every built-in material by name; constants and sources stand in ``solver/material/materials.toml``.
+    """Return every built-in material by name; constants and sources are in ``solver/material/materials.toml``.
 
     Examples
     --------
@@ -26,7 +26,7 @@ def materials() -> Mapping[str, Material]:
 
 
 def find(name: str, more: Mapping[str, Material] = MappingProxyType({})) -> Material:
-    """The material of a name.
+    """Return the material of a name.
 
     ``NAME (alternative 1)`` has the constants of the first alternative of NAME, and so on. ``36Y NAME``, ``X NAME`` and
     ``tilt 10 deg NAME`` are cuts of it (see ``solver/material/cuts.py``).

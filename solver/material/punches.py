@@ -11,7 +11,7 @@ from solver.arrays import nearest, shown
 from solver.material.constants import MaterialError
 from solver.material.evidence import Sourced, read_sourced
 
-#: The name of a punch that does not deform.
+#: Name of a rigid punch.
 RIGID_PUNCH = "rigid"
 
 
@@ -21,24 +21,25 @@ class PunchMaterial:
 
     modulus: float  # Young's modulus [Pa]
     poisson: float  # Poisson's ratio [1]
-    conducts: bool  # Whether it holds one potential as it comes
-    source: str  # Where the numbers come from, and how far they spread
+    conducts: bool  # Whether it conducts without a coating
+    source: str  # Origin and spread of the numbers
     density: float  # [kg/m3]
-    thermal: Mapping[str, Sourced] = field(default_factory=dict)  # Constants for heat, as of other materials
+    thermal: Mapping[str, Sourced] = field(default_factory=dict)  # Thermal constants
 
 
 @cache
 def punches() -> Mapping[str, PunchMaterial]:
-    """Every built-in material of punches by name; numbers and sources stand in ``solver/material/punches.toml``."""
+    """Return every built-in material of punches by name, from ``solver/material/punches.toml``."""
     table = tomllib.loads(files("solver.material").joinpath("punches.toml").read_text(encoding="utf-8"))
-    read = {
-        name: {**entry, "thermal": read_sourced("thermal", entry.get("thermal", {}))} for name, entry in table.items()
-    }
-    return MappingProxyType({name: PunchMaterial(**entry) for name, entry in read.items()})
+    known = {}
+    for name, entry in table.items():
+        thermal = read_sourced("thermal", entry.pop("thermal", {}))
+        known[name] = PunchMaterial(**entry, thermal=thermal)
+    return MappingProxyType(known)
 
 
 def find_punch(name: str) -> PunchMaterial:
-    """The punch material of this name."""
+    """Return the punch material of a name, or suggest the nearest one."""
     known = punches()
     if name not in known:
         near = nearest(name, known)

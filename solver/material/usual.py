@@ -1,4 +1,4 @@
-"""Sizes that constants of materials have: a bare number far outside has probably lost its unit, and asks."""
+"""Usual sizes of material constants: a bare number far outside has probably lost its unit, and is questioned."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ class Usual:
 
     low: float
     high: float
-    below: str = ""  # with the number as {0}
-    above: str = ""
-    unit: float = 1.0  # factor to the value that is likely meant above
+    below: str = ""  # likely meaning of a smaller number {0}
+    above: str = ""  # likely meaning of a larger number {0}, which is {1} in SI
+    unit: float = 1.0  # {1} over {0}
 
 
 # hydrogels have 1 kPa, diamond 1.08 TPa; Landolt-Boernstein tables count in dyn/cm2
@@ -68,7 +68,7 @@ USUAL: dict[str, Usual] = {
     **{name: {"Pa": _STRENGTH, "V m-1": _FIELD}[limit.units] for name, limit in LIMITS.items()},
 }
 
-#: Coupling, stiffness and permittivity or permeability that belong together.
+#: Coupling, stiffness and permittivity or permeability of one effect.
 _COUPLED = (
     ("e33", "c33", "eps33"), ("e15", "c44", "eps11"), ("e31", "c11", "eps33"),
     ("f33", "c33", "mu33"), ("f15", "c44", "mu11"), ("f31", "c11", "mu33"),
@@ -76,7 +76,7 @@ _COUPLED = (
 
 
 def question(name: str, values: float | Array, units: str) -> str:
-    """Question about the first bare value whose size no material has; empty where every value is usual or 0."""
+    """Return a question about the first value whose size no material has, or an empty text."""
     usual, flat = USUAL[name], np.atleast_1d(values).ravel()
     size = np.abs(flat)
     odd = flat[((size < usual.low) & (size > 0)) | (size > usual.high)]
@@ -92,7 +92,7 @@ def question(name: str, values: float | Array, units: str) -> str:
 
 
 def questions(values: Mapping[str, Array], units: Mapping[str, str], bare: Collection[str]) -> dict[str, str]:
-    """Questions about `bare` constants whose size, alone or together with others, no material has; by name."""
+    """Return questions, by name, about ``bare`` constants whose size or coupling no material has."""
     texts = {name: text for name in bare if name in values and (text := question(name, values[name], units[name]))}
     for coupling, stiffness, store in _COUPLED:
         names = (coupling, stiffness, store)

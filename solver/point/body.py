@@ -29,22 +29,18 @@ class PointLoading:
     coefficient: Array  # C of the profile C r^e; (case,)
     force: Array  # P; (case,)
     prescribed: Array  # Charges (T, J), or potentials (V, Psi) where held; (case, 2)
-    held: tuple[bool, bool] = (False, False)  # Which potentials are held
+    held: tuple[bool, bool] = (False, False)  # Whether V and Psi are held
 
-    def part(self, places: Indices) -> "PointLoading":
+    def part(self, cases: Indices) -> "PointLoading":
         """Loading of some of the cases."""
-        return PointLoading(self.coefficient[places], self.force[places], self.prescribed[places], self.held)
+        return PointLoading(self.coefficient[cases], self.force[cases], self.prescribed[cases], self.held)
 
     def state(self, stiffness: Stiffness, shape: Shape, radius: Array) -> PressedState:
-        """Contacts of these radii (case,) under the charges and potentials; only a disc's force is prescribed."""
-        displacement = 1.0 if shape.flat else self.coefficient * radius**shape.exponent
+        """Contacts of given radii (case,) under the charges and potentials; only a disc's force is prescribed."""
+        displacement = np.ones_like(radius) if shape.flat else self.coefficient * radius**shape.exponent
         load = displacement * radius
-        prescribed = np.where(self.held, self.prescribed / _column(displacement), -self.prescribed / load[..., None])
+        prescribed = np.where(self.held, self.prescribed / displacement[..., None], -self.prescribed / load[..., None])
         return PressedState(stiffness, shape, prescribed, self.held, -self.force / load if shape.flat else None)
-
-
-def _column(values: Array | float) -> Array:
-    return np.asarray(values)[..., None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +73,9 @@ class Film:
         """The punch."""
         return self.kind.shape
 
-    def part(self, places: Indices) -> "Film":
+    def part(self, cases: Indices) -> "Film":
         """Film of some of the cases."""
-        return Film(self.kind, self.thickness[places])
+        return Film(self.kind, self.thickness[cases])
 
     def windows(self, radius: Array) -> Iterator[tuple[Indices, PointWindow, Array]]:
         """Yield the cases of each window that holds their radius [m], and log (a/h) of these."""
@@ -88,32 +84,32 @@ class Film:
             raise beyond(bool(np.any(ratio < LEAST)), self.thickness, "radius")
         numbers = number_of(ratio)
         for number in np.unique(numbers).tolist():
-            places = np.flatnonzero(numbers == number)
-            yield places, window(self.kind, number), np.log(ratio[places])
+            cases = np.flatnonzero(numbers == number)
+            yield cases, window(self.kind, number), np.log(ratio[cases])
 
-    def gathered(self, radius: Array, output: Callable[[PointWindow, Array, Indices], Array]) -> Array:
-        """Output of the windows at log (a/h) of their cases, padded with zeros to the longest; (case, ...)."""
-        parts = [(places, output(table, log_ratio, places)) for places, table, log_ratio in self.windows(radius)]
+    def from_windows(self, radius: Array, output: Callable[[PointWindow, Array, Indices], Array]) -> Array:
+        """Join ``output`` of the windows at log (a/h) of their cases, padded with zeros to the longest; (case, ...)."""
+        parts = [(cases, output(table, log_ratio, cases)) for cases, table, log_ratio in self.windows(radius)]
         longest = np.max([values.shape[1:] for _, values in parts], axis=0)
         whole = np.empty((radius.size, *longest))
-        for places, values in parts:
-            whole[places] = np.pad(values, [(0, 0), *((0, int(missing)) for missing in longest - values.shape[1:])])
+        for cases, values in parts:
+            whole[cases] = np.pad(values, [(0, 0), *((0, int(missing)) for missing in longest - values.shape[1:])])
         return whole
 
     def stiffness(self, radius: Array) -> Stiffness:
         """Stiffness at radii, read from the windows."""
-        read = self.gathered(radius, lambda table, log_ratio, _: table.read(log_ratio))
+        read = self.from_windows(radius, lambda table, log_ratio, _: table.read(log_ratio))
         return self.kind.stiffness(read)
 
     def radius(self, loading: PointLoading) -> Array:
         """Radii that carry the force, by Newton's iteration on log a between rungs of a window; (case,) [m]."""
         radii = np.empty(loading.force.size)
 
-        def side(places: Indices, number: int) -> Indices:
-            search = Search(window(self.kind, number), self.thickness[places], loading.part(places))
+        def side(cases: Indices, number: int) -> Indices:
+            search = Search(window(self.kind, number), self.thickness[cases], loading.part(cases))
             inside = np.flatnonzero(search.side == 0)
             if inside.size:
-                radii[places[inside]] = search.part(inside).radius()
+                radii[cases[inside]] = search.part(inside).radius()
             return search.side
 
         searched(self._guess(loading) / self.thickness, side, self.thickness, "radius", "force")
@@ -125,17 +121,18 @@ class Film:
         charged = np.flatnonzero(np.any(loading.prescribed != 0, -1))
         numbers = number_of(radius / self.thickness)
         for number in np.unique(numbers[charged]).tolist():
-            places = charged[numbers[charged] == number]
+            cases = charged[numbers[charged] == number]
             for other in range(max(number - _AROUND, FIRST), min(number + _AROUND, LAST) + 1):
-                search = Search(window(self.kind, other), self.thickness[places], loading.part(places))
+                search = Search(window(self.kind, other), self.thickness[cases], loading.part(cases))
                 low, high = search.window.interval.low, search.window.interval.high
-                log_ratio = np.log(radius[places] / self.thickness[places])
+                log_ratio = np.log(radius[cases] / self.thickness[cases])
                 if np.any(search.side != np.where(log_ratio <= low, -1, np.where(log_ratio > high, 1, 0))):
                     raise LengthsError(_SEVERAL)
 
     def _guess(self, loading: PointLoading) -> Array:
-        """Guess from the half-space's radius; the root of that ratio is nearer for a wide contact on a stiff base."""
+        """Initial radii from those on a half-space; (case,) [m]."""
         ratio = HalfSpace(self.kind.compliance, self.shape).radius(loading) / self.thickness
+        # the square root is nearer for a wide contact on a stiff base
         return np.asarray(np.minimum(ratio, np.sqrt(ratio)) * self.thickness)
 
 
@@ -147,24 +144,24 @@ class Search:
     thickness: Array  # [m]; (case,)
     loading: PointLoading
 
-    def part(self, places: Indices) -> Self:
+    def part(self, cases: Indices) -> Self:
         """Search of some of the cases."""
-        return replace(self, thickness=self.thickness[places], loading=self.loading.part(places))
+        return replace(self, thickness=self.thickness[cases], loading=self.loading.part(cases))
 
     @cached_property
-    def _enough(self) -> BoolArray:
-        """Return whether the force at each rung of the window reaches the case's force; (case, rung)."""
+    def _reaches_force(self) -> BoolArray:
+        """Mark rungs of the window at which the force reaches the case's force; (case, rung)."""
         forces = [self.forces(np.broadcast_to(rung, self.thickness.shape))[0] for rung in self.window.rungs]
         return np.stack(forces, -1) >= self.loading.force[:, None]
 
     @cached_property
     def side(self) -> Indices:
         """Return -1 or 1 where the radius is below or above the window, 0 where it is within; (case,)."""
-        enough = self._enough
-        changes = np.count_nonzero(enough[:, 1:] != enough[:, :-1], axis=-1)
-        if np.any((changes > 1) | (enough[:, 0] & ~enough[:, -1])):
+        reached = self._reaches_force
+        changes = np.count_nonzero(reached[:, 1:] != reached[:, :-1], axis=-1)
+        if np.any((changes > 1) | (reached[:, 0] & ~reached[:, -1])):
             raise LengthsError(_SEVERAL)
-        return np.where(enough[:, 0], -1, np.where(enough[:, -1], 0, 1))
+        return np.where(reached[:, 0], -1, np.where(reached[:, -1], 0, 1))
 
     def forces(self, log_ratio: Array) -> tuple[Array, Array]:
         """P and d log P / d log a at log (a/h); (case,) each."""
@@ -180,7 +177,7 @@ class Search:
 
     def radius(self) -> Array:
         """Radii [m] between rungs: Newton on log P, halved where it would leave the bracket; (case,)."""
-        first = np.argmax(self._enough, axis=-1)
+        first = np.argmax(self._reaches_force, axis=-1)
         low, high = self.window.rungs[first - 1], self.window.rungs[first]
         log_ratio = (low + high) / 2
         for _ in range(_RADIUS_STEPS):

@@ -16,7 +16,7 @@ from solver.stack.electrodes import Reading
 
 @dataclass(frozen=True, eq=False)
 class Friction:
-    """Friction along x, and the tangential answer of the surfaces."""
+    """Friction along x, and the tangential coupling of the surfaces."""
 
     coefficient: Array  # eta; (case,)
     coupling: Array  # k of the half-space of the top less that of the punch, units of the body; (case, 3)
@@ -122,22 +122,23 @@ class PointContact:
         """Largest pressure below a curved punch [Pa]; (case,)."""
         body = self.pressed.body
         per_form: Array = np.asarray(2 / np.pi * np.linalg.inv(self.state.stiffness.compliance)[..., 0, 0])
-        over_unit = (
-            per_form * halfspace_peak(body.shape) if isinstance(body, HalfSpace) else self._peak_on(body, per_form)
-        )
+        if isinstance(body, HalfSpace):
+            over_unit = per_form * halfspace_peak(body.shape)
+        else:
+            over_unit = self._peak_on(body, per_form)
         return np.asarray(over_unit * self.size / self.radius / self.pressed.units[:, 0])
 
     def _peak_on(self, film: Film, per_form: Array) -> Array:
         """Largest pressure over C a^(e-1) on a film; (case,)."""
         largest = np.empty_like(self.radius)
-        for places, table, log_ratio in film.windows(self.radius):
-            closed, series = per_form[places], table.tractions(log_ratio, self.state.causes[places])[:, 0]
+        for cases, table, log_ratio in film.windows(self.radius):
+            closed, series = per_form[cases], table.tractions(log_ratio, self.state.causes[cases])[:, 0]
             count = series.shape[-1]
 
-            def pressure(x: Array, cases: Indices, closed: Array = closed, series: Array = series) -> Array:
-                added = np.sum(series[cases] * added_forms(x, series.shape[-1]), -1)
-                return np.asarray(closed[cases] * halfspace_form(film.shape, x) - added)
+            def pressure(x: Array, rows: Indices, closed: Array = closed, series: Array = series) -> Array:
+                added = np.sum(series[rows] * added_forms(x, series.shape[-1]), -1)
+                return np.asarray(closed[rows] * halfspace_form(film.shape, x) - added)
 
             samples = closed[:, None] * halfspace_form(film.shape, SAMPLES) - series @ added_forms(SAMPLES, count).T
-            largest[places] = highest_pressure(samples, pressure)
+            largest[cases] = highest_pressure(samples, pressure)
         return largest

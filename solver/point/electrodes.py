@@ -1,10 +1,7 @@
-"""Charge that a point contact brings to an electrode below it, and to patches of it (films, section 11).
+"""Charge of an electrode below a point contact, and of its patches (films, section 11).
 
-With q(k) = 2 pi a sum_n c_n . rows j_2n(ka), in the units of the stack, a disc of radius b at the distance d collects
-b int q J0(kd) J1(kb) dk, a strip of width w across x (1/pi) int q cos(kd) 2 sin(kw/2) dk/k.
-
-A ball that slides adds waves J1(kr) cos(angle). These are -1/k times the derivatives of J0(kr) along x: their charge on
-a patch is -1/k times the derivative by the distance of the charge of J0.
+In the units of the stack q(k) = 2 pi a sum_n c_n . rows j_2n(ka). Friction adds waves J1(kr) cos(angle), which are -1/k
+times the derivatives of J0(kr) along x; so are their charges on a patch, by its distance.
 """
 
 from collections.abc import Callable, Iterator
@@ -32,35 +29,30 @@ _VALUES_AT_ONCE = 1_000_000  # values of Bessel functions or waves held at once:
 def electrode_quantities(contact: PointContact, film: Film, reading: Reading) -> dict[str, Array]:
     """Requested quantities of ``solver.names.ELECTRODE_QUANTITIES``, SI; (case,) each."""
     reading, parts = reading.over(film.thickness), list[tuple[Indices, dict[str, Array]]]()
-    for places, table, _ in film.windows(contact.radius):
-        part, extent = reading.part(places), (contact.radius / film.thickness)[places]
-        parts.append((places, together(part, partial(_OfPoint, contact, film, table, part, places), extent)))
+    for cases, table, _ in film.windows(contact.radius):
+        part, extent = reading.part(cases), (contact.radius / film.thickness)[cases]
+        parts.append((cases, together(part, partial(_OfPoint, contact, film, table, part, cases), extent)))
     return joined(parts, contact.radius.size)
 
 
-def _slides(contact: PointContact) -> bool:
-    """Return whether any of the contacts has friction."""
-    friction = contact.pressed.friction
-    return friction is not None and bool(np.any(friction.coefficient))
-
-
 class _OfPoint(Collected):
-    """Cases of one window and electrode whose distances are of like size; lengths over the top layer's thickness."""
+    """Cases of one window and electrode at similar distances; lengths over the top layer's thickness."""
 
     def __init__(
-        self, contact: PointContact, film: Film, table: PointWindow, reading: Reading, window_places: Indices,
-        cases: Indices, number: int, octave: int,
+        self, contact: PointContact, film: Film, table: PointWindow, reading: Reading, window_cases: Indices,
+        members: Indices, number: int, octave: int,
     ) -> None:  # fmt: skip
-        stack, places = film.kind.film, window_places[cases]
-        loads, thickness = contact.loads[places], film.thickness[places]
-        super().__init__(Electrode(stack, number), reading.part(cases), contact.pressed.force[places], loads, thickness)
-        self.radius, self.size = contact.radius[places] / self.thickness, contact.size[places] * self.thickness
+        stack, cases, force = film.kind.film, window_cases[members], contact.pressed.force
+        loads, thickness = contact.loads[cases], film.thickness[cases]
+        super().__init__(Electrode(stack, number), reading.part(members), force[cases], loads, thickness)
+        self.radius, self.size = contact.radius[cases] / self.thickness, contact.size[cases] * self.thickness
         if self.electrode.on_top and reading.size is None:
             return
-        slides = reading.size is not None and _slides(contact)
+        friction = contact.pressed.friction
+        slides = friction is not None and bool(np.any(friction.coefficient))
         self.k, self.weights, self.rows = transfers(stack, number, octave)
-        self.rubbed = Rubbed(contact).tractions.part(places) if slides else None
-        causes, shape = contact.state.causes[places], film.shape
+        self.sliding = Rubbed(contact).tractions.part(cases) if slides and reading.size is not None else None
+        causes, shape = contact.state.causes[cases], film.shape
         added = table.tractions(np.log(self.radius), causes)
         count = added.shape[-1]
         if shape.exponent % 2:  # the half-space's series of an even power ends after a few terms
@@ -74,27 +66,27 @@ class _OfPoint(Collected):
 
     def _patch(self, distance: Array) -> Array:
         charge = super()._patch(distance)
-        return charge if self.rubbed is None else charge + self._turned(self.rubbed, distance)
+        return charge if self.sliding is None else charge + self._by_friction(self.sliding, distance)
 
-    def _turned(self, rubbed: Tractions, distance: Array) -> Array:
-        """Charges [C] that friction adds to patches at distances, odd in these; (case,)."""
+    def _by_friction(self, sliding: Tractions, distance: Array) -> Array:
+        """Charges [C] that friction adds to patches at distances, odd in the distance; (case,)."""
         charge = np.zeros_like(distance)
         nodes = hankel.nodes(parts=hankel.parts(np.max(self.radius) * self.k), kinked=True)
         for cases, waves in self._blocks(nodes.b.size):
-            turned = rubbed.vectors(nodes.b, cases)[1]
+            turned = sliding.vectors(nodes.b, cases)[1]
             if turned is None:
                 continue
             k, rows = self.k[waves], self.rows[waves, 0]
             phase = self.radius[cases, None, None] * k[:, None] * nodes.b
-            carried = np.einsum("ckb,cb,k->ck", np.cos(phase), turned[:, 0] * nodes.weights, rows[:, 0])
+            spectrum = np.einsum("ckb,cb,k->ck", np.cos(phase), turned[:, 0] * nodes.weights, rows[:, 0])
             down = np.einsum("ckb,cib->cki", np.sin(phase), turned[:, 1:] * nodes.weights, optimize=True)
-            carried += np.einsum("cki,ki->ck", down, rows[:, 1:])
+            spectrum += np.einsum("cki,ki->ck", down, rows[:, 1:])
             patch = -self._wave(cases, k, distance, slope=True) / k
-            charge[cases] += 2 * np.pi * self.radius[cases] ** 2 * np.sum(carried * patch * self.weights[waves], -1)
+            charge[cases] += 2 * np.pi * self.radius[cases] ** 2 * np.sum(spectrum * patch * self.weights[waves], -1)
         return np.asarray(charge * self.thickness**2 / self.scale[2])
 
     def _blocks(self, count: int) -> Iterator[tuple[Indices, slice]]:
-        """Yield cases and wavenumbers whose arrays of `count` values for each pair fit into the memory."""
+        """Yield cases and wavenumbers whose arrays of ``count`` values a pair fit into the memory."""
         pairs = max(_VALUES_AT_ONCE // count, 1)
         waves = min(pairs, self.k.size)
         step = max(pairs // waves, 1)
@@ -106,11 +98,11 @@ class _OfPoint(Collected):
         return self._integrated(0, lambda cases, k: self._wave(cases, k, distance, slope=slope))
 
     def _wave(self, cases: Indices, k: Array, distance: Array, *, slope: bool) -> Array:
-        """Charge of waves on patches of some cases, or its derivative by their distances (case,); (some, k)."""
+        """Charge of waves on patches of ``cases``, or its derivative by the distance (case,); (case, k)."""
         charge, shapes = np.empty((cases.size, k.size)), self.reading.shape[cases]
-        for shape, wave in ((STRIP, _strip), (DISC, _disc_wave)):
-            alike = np.flatnonzero(shapes == shape)
-            charge[alike] = wave(k, distance[cases[alike], None], self._size[cases[alike], None], slope=slope)
+        for shape, wave in ((STRIP, _strip_wave), (DISC, _disc_wave)):
+            rows = np.flatnonzero(shapes == shape)
+            charge[rows] = wave(k, distance[cases[rows], None], self._size[cases[rows], None], slope=slope)
         return charge
 
     def _integrated(self, row: int, wave: Callable[[Indices, Array], Array]) -> Array:
@@ -120,8 +112,8 @@ class _OfPoint(Collected):
             k = self.k[waves]
             orders = even_orders(self.radius[cases, None] * k, count)
             transforms = np.einsum("cin,nck->cik", self.terms[cases], orders, optimize=True)
-            carried = np.einsum("cik,ki->ck", transforms, self.rows[waves, row, 1:])
-            integral[cases] += np.sum(carried * wave(cases, k) * self.weights[waves], -1)
+            spectrum = np.einsum("cik,ki->ck", transforms, self.rows[waves, row, 1:])
+            integral[cases] += np.sum(spectrum * wave(cases, k) * self.weights[waves], -1)
         return np.asarray(2 * np.pi * integral * self.size * self.radius / self.scale[2])
 
 
@@ -131,7 +123,7 @@ def _disc_wave(k: Array, distance: Array, size: Array, *, slope: bool) -> Array:
     return np.asarray(size / 2 * along * j1(k * size / 2))
 
 
-def _strip(k: Array, distance: Array, size: Array, *, slope: bool) -> Array:
+def _strip_wave(k: Array, distance: Array, size: Array, *, slope: bool) -> Array:
     """Charge of waves on strips, or its derivative by their distance, (case, 1); (case, k)."""
     along = -k * np.sin(k * distance) if slope else np.cos(k * distance)
     return np.asarray(along * 2 * np.sin(k * size / 2) / (np.pi * k))

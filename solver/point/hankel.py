@@ -1,15 +1,4 @@
-"""Bessel functions of many orders, and Hankel integrals of half-spaces in closed form below a density (points, 7).
-
-The transform of a contact's tractions is a density on 0 <= b <= 1, lengths over a, as of a line contact:
-
-    t(k) = int_0^1 phi(b) cos(kb) db  without friction,    t_1(k) = int_0^1 psi(b) sin(kb) db  of its cos(angle) part.
-
-A wave of the rate m then needs int t(k) exp(-k m z) J_n(kr) k dk: a sum over b of a closed function of m z -+ ib. It is
-sharp near b = r close to the surface, where panels in b shrink with the depth.
-
-Spherical Bessel functions follow by recurrence up to the order z, by falling ratios beyond it; J_2 and J_3 follow from
-J_0 and J_1.
-"""
+"""Bessel functions of many orders, and Hankel integrals of half-spaces in closed form below a density (points, 7)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -51,7 +40,7 @@ def bessel_orders(k: Array, x: Array, count: int) -> Array:
 
 
 def _orders(z: Array, highest: int) -> Array:
-    """Spherical Bessel functions j_0 .. j_highest; (highest + 1, z)."""
+    """Spherical Bessel functions j_0 .. j_highest by recurrence up to n = z, by ratios beyond; (highest + 1, z)."""
     ratios = _ratios(z, highest)
     orders: Array = np.empty((highest + 1, z.size))
     previous, orders[0] = np.cos(z) / z, np.sinc(z / np.pi)
@@ -102,7 +91,7 @@ class Nodes:
 def nodes(
     radius: float = np.inf, near: float = 1.0, *, parts: int = 4, kinked: bool = False, beyond: Sequence[float] = ()
 ) -> Nodes:
-    """Return nodes in b for a field point at `radius` and the depth `near`, or for waves."""
+    """Return nodes in b for a field point at ``radius`` and depth ``near``, or for waves."""
     last = beyond[-1] if beyond else 1.0
     breaks = [np.asarray(np.linspace(0.0, 1.0, parts + 1), dtype=np.float64)]
     if kinked:
@@ -110,7 +99,7 @@ def nodes(
         breaks += [kinks, 1 - kinks]
     sharp = min(radius, last)
     offsets = np.concatenate([*breaks, beyond]) - sharp
-    if radius < 2 * last:
+    if radius < 2 * last:  # integrands are sharp near b = r, where panels shrink with the depth
         least = max(near, radius - last) / 2
         steps = least * 2.0 ** np.arange(int(np.ceil(np.log2(max(1.0, sharp) / least))) + 1)
         offsets = np.concatenate([offsets, [0.0], steps, -steps])
@@ -130,23 +119,17 @@ def parts(phases: Array) -> int:
 def waves(
     rates: ComplexArray, depth: Array, radius: float, nodes_in_b: Nodes, orders: int, *, potentials: bool = False
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Integrals int exp(-k m z) J_n(kr) k cos(kb) dk and the same of sin(kb), n < orders; (n, rate, depth, b) each."""
-    fall = (rates[:, None] * depth)[..., None]
-    far = radius + nodes_in_b.b
-    before = _powers(
-        fall - 1j * nodes_in_b.b, (fall - 1j * nodes_in_b.offset) * (fall - 1j * far), radius, orders, potentials
-    )
-    after = _powers(
-        fall + 1j * nodes_in_b.b, (fall + 1j * nodes_in_b.offset) * (fall + 1j * far), radius, orders, potentials
+    """Return int exp(-k m z) J_n(kr) k cos(kb) dk, and with sin(kb), n < orders; (n, rate, depth, b) each."""
+    b, offset, decay = nodes_in_b.b, nodes_in_b.offset, (rates[:, None] * depth)[..., None]
+    before, after = (
+        _integrals(decay + i * b, (decay + i * offset) * (decay + i * (radius + b)), radius, orders, potentials)
+        for i in (-1j, 1j)
     )
     return (before + after) / 2, (before - after) / 2j
 
 
-def _powers(s: ComplexArray, square: ComplexArray, r: float, orders: int, potentials: bool) -> ComplexArray:
-    """Return int exp(-k s) J_n(kr) k dk = u^n (n R + s) / R^3, R^2 = s^2 + r^2, u = r / (R + s); (n, ...).
-
-    For potentials it is int exp(-k s) J_n(kr) dk = u^n / R.
-    """
+def _integrals(s: ComplexArray, square: ComplexArray, r: float, orders: int, potentials: bool) -> ComplexArray:
+    """Return int exp(-k s) J_n(kr) k dk (P7.3) from s and R^2 = s^2 + r^2, for potentials without k; (n, ...)."""
     R = np.sqrt(square)
     u, inverse = r / (R + s), 1 / R
     out: ComplexArray = np.empty((orders, *s.shape), np.complex128)

@@ -1,8 +1,4 @@
-"""Fields inside a half-space or a stack under point contacts, in the plane of symmetry (points, 7).
-
-Near the surface the half-space's part is closed (:mod:`solver.point.hankel`). The layers' reflections, and all fields
-deeper, decay and are integrated over the wavenumbers k with Bessel functions.
-"""
+"""Fields inside a half-space or a stack under point contacts, in the plane of symmetry (points, 7)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -40,10 +36,7 @@ class Inside:
     plain: bool = False  # Whether it is a half-space
 
     def fields(self, tractions: Tractions, X: Array, Y: Array, names: tuple[str, ...]) -> Array:
-        """Fields of ``solver.halfplane.interior.LINEAR``, SI, NaN in a rigid base; (column, field, y, x).
-
-        Potentials, too, over the unit of the body's lengths.
-        """
+        """Fields of ``LINEAR``, SI, and potentials over the length unit, NaN in a rigid base; (column, field, y, x)."""
         if "magnetic_potential" in names and sideways(self.stack):
             raise StackError(
                 "fields: 'magnetic_potential' over a base that passes no flux on is relative to nothing below it; "
@@ -53,10 +46,9 @@ class Inside:
             parts = [tractions.part(np.arange(count)[block]) for block in blocks(count, _COLUMNS)]
             return np.concatenate([self.fields(part, X, Y, names) for part in parts])
         out = np.zeros((tractions.ratio.size, len(names), Y.size, X.size))
-        ratios, which = np.unique(tractions.ratio, return_inverse=True)
-        closed = np.zeros((which.size, Y.size), dtype=bool)
-        for number, ratio in enumerate(ratios.tolist()):
-            columns = np.flatnonzero(which.ravel() == number)
+        closed = np.zeros((len(out), Y.size), dtype=bool)
+        for ratio in np.unique(tractions.ratio).tolist():
+            columns = np.flatnonzero(tractions.ratio == ratio)
             depth = -Y * ratio
             bodies = np.searchsorted(self._ends, depth)
             near = (bodies == 0) & self._is_near(-Y, X)
@@ -66,7 +58,7 @@ class Inside:
                 out[np.ix_(columns, np.arange(len(names)), np.flatnonzero(bodies == len(self.stack.layers)))] = np.nan
         if np.any(rows := closed.any(0)):
             for part, integrated in parted(names):
-                fields = self._closed(tractions, X, -Y[rows], tuple(names[place] for place in part), integrated)
+                fields = self._closed(tractions, X, -Y[rows], tuple(names[number] for number in part), integrated)
                 fields = fields * tractions.ratio[:, None, None, None] if integrated else fields
                 out[np.ix_(np.arange(len(out)), part, np.flatnonzero(rows))] += np.where(
                     closed[:, None, rows, None], fields, 0.0
@@ -86,12 +78,12 @@ class Inside:
         return np.cumsum([layer.thickness for layer in self.stack.layers]) * _ON
 
     def _is_near(self, depth: Array, X: Array) -> BoolArray:
-        """Return whether the half-space's part is closed at depths over a."""
+        """Mark depths over a at which the half-space's part is closed."""
         far = float(np.max(np.abs(X), initial=1.0)) + 1
-        return np.asarray(depth * self._slowest < max(_NEAR, 34 * far / _MOST_PHASE))
+        return np.asarray(depth * self._rates[0] < max(_NEAR, 34 * far / _MOST_PHASE))
 
     def _decay(self, depth: float) -> float:
-        """Decay of waves on their way down to a depth, over k."""
+        """Decay exponent over k of waves from the surface down to a depth."""
         thickness = np.array([layer.thickness for layer in self.stack.layers])
         above = np.append(0.0, np.cumsum(thickness))[: self._rates.size]
         crossed = np.clip(depth - above, 0.0, np.append(thickness, np.inf)[: self._rates.size])
@@ -104,10 +96,6 @@ class Inside:
         base = [] if isinstance(self.stack.base, str) else [self.stack.base]
         shear = [_shear_rate(material) for material in [*(layer.material for layer in self.stack.layers), *base]]
         return np.minimum([float(medium.slowest) for medium in media], shear)
-
-    @cached_property
-    def _slowest(self) -> float:
-        return float(self._rates[0])
 
     @cached_property
     def shear(self) -> Sheared | None:
@@ -147,7 +135,7 @@ class Inside:
                         )
 
     def rows(self, number: int, names: tuple[str, ...]) -> tuple[Array, Array]:
-        """Return :func:`rows_of` in one body: at rest, and of cos(angle); (n, field, 8) each."""
+        """Rows of :func:`rows_of` in one body, at rest and of cos(angle); (n, field, 8) each."""
         medium = [*self.stack.media, self.stack.base_medium][number]
         assert medium is not None
         at_rest, sliding = (rows_of(medium, self.stack.scale, names, sliding=slides) for slides in (False, True))
@@ -158,7 +146,7 @@ class Inside:
         """Half-space's part of the fields, potentials over a; (column, field, depth, x)."""
         part, columns = _HalfspacePart(self, tractions, names, potentials), tractions.ratio.size
         out = np.empty((columns, len(names), depth.size, X.size))
-        for place, x in enumerate(X.tolist()):
+        for number, x in enumerate(X.tolist()):
             least = tractions.least_depth(abs(x))
             shallow = depth < least
             base = least * _LEVELS if np.any(shallow) else np.empty(0)
@@ -168,15 +156,15 @@ class Inside:
             step = max(_ENTRIES // (4 * ORDERS * (nodes.b.size + 4 * columns)), 1)
             levels = [summed[start : start + step] for start in range(0, summed.size, step)]
             values = np.concatenate([part.at(x, level, nodes, densities) for level in levels], -1)
-            out[:, :, ~shallow, place] = values[..., base.size :]
+            out[:, :, ~shallow, number] = values[..., base.size :]
             if base.size:
-                out[:, :, shallow, place] = values[..., : base.size] @ _extrapolation(depth[shallow] / least).T
+                out[:, :, shallow, number] = values[..., : base.size] @ _extrapolation(depth[shallow] / least).T
         return out
 
 
 @dataclass(frozen=True, eq=False)
 class _HalfspacePart:
-    """Closed part of the fields, that of the half-space of the top."""
+    """Closed part of the fields, of the half-space of the top."""
 
     inside: Inside
     tractions: Tractions
@@ -213,10 +201,10 @@ class _HalfspacePart:
         fields = fields + _applied(of_cosine, states[..., 1:], sines[:, :count], second[:, 1:])
         if shear is None:
             return fields
-        # k u is the compliance times tau, and both fall alike
+        # k u is the compliance times tau, and both decay at the same rate
         rows = shear_rows(shear, self.names) @ np.array([shear.compliance, 1.0])
-        pulled = np.einsum("nzb,cb->nzc", cosines[:, count].real, -second[:, 0])
-        return np.asarray(fields + np.einsum("nf,nzc->cfz", rows, pulled) / self.inside.stack.scale[0])
+        shear_states = np.einsum("nzb,cb->nzc", cosines[:, count].real, -second[:, 0])
+        return np.asarray(fields + np.einsum("nf,nzc->cfz", rows, shear_states) / self.inside.stack.scale[0])
 
 
 def _shear_rate(material: Material) -> float:
@@ -232,11 +220,11 @@ def _applied(rows: Array, states: ComplexArray, integrals: ComplexArray, density
 
 
 def _extrapolation(depth: Array) -> Array:
-    """Lagrange's polynomials through `_LEVELS` at depths over the least one; (depth, level)."""
-    shares = [
+    """Lagrange polynomials through ``_LEVELS`` at depths over the least one; (depth, level)."""
+    polynomials = [
         np.prod([(depth - other) / (level - other) for other in _LEVELS if other != level], 0) for level in _LEVELS
     ]
-    return np.stack(shares, -1)
+    return np.stack(polynomials, -1)
 
 
 def whole(material: Material) -> Inside:

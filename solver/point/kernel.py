@@ -1,14 +1,4 @@
-"""Kernels of the layers' contribution along the surface under points, over a distance (points, 4 and 6).
-
-    Lambda(x) = int_0^inf Delta(k) cos(kx) dk,
-    chi(s) = N S(s) + (1/pi) int_0^inf [Lambda(s - s') + Lambda(s + s')] S(s') ds',
-
-of the six pairs of (y, phi, psi), Delta = Y_top - Y0. Friction sigma_xy = eta sigma_yy adds to chi of cos(angle)
-
-    -(1/2) int_0^1 [Lambda_x(s + b) + Lambda_x(s - b)] phi_sigma(b) db,    Lambda_x(x) = int_0^inf Delta_ox sin(kx) dk.
-
-Far away only the beginning of Delta matters: it is tapered over a width that the distance does not resolve.
-"""
+"""Layers' kernels Lambda and Lambda_x over the distance, of the pairs of (y, phi, psi) (points, 6 and 8)."""
 
 from dataclasses import dataclass, replace
 
@@ -23,9 +13,9 @@ from solver.stack.layers import Stack
 from solver.stack.reflection import waves
 from solver.stack.wavenumbers import strip, tapered
 
-#: The pairs, over (x, y, phi, psi).
+#: Pairs of (y, phi, psi), over (x, y, phi, psi).
 PAIRS = ENTRIES[:6]
-_SHEARED = ENTRIES[6:9]
+_SHEAR_PAIRS = ENTRIES[6:9]
 
 _FAR = 1e4  # strip widths beyond which Lambda falls like 1/x^2 and Lambda_x like 1/x
 
@@ -51,12 +41,12 @@ class SurfaceKernel:
 
 
 def normal_kernel(stack: Stack) -> SurfaceKernel:
-    """Lambda of a stack."""
+    """Kernel Lambda of a stack."""
     return _kernels(stack)[0]
 
 
 def shear_kernel(stack: Stack) -> SurfaceKernel:
-    """Lambda_x of (y, phi, psi) of a stack, odd in the distance."""
+    """Kernel Lambda_x of (y, phi, psi) of a stack, odd in the distance."""
     return _kernels(stack)[1]
 
 
@@ -66,13 +56,13 @@ def _kernels(stack: Stack) -> tuple[SurfaceKernel, SurfaceKernel]:
     width, count = strip(stack), len(PAIRS)
 
     def transformed(x: Array) -> Array:
-        """Transforms at distances of one octave; (x, pair)."""
+        """Transforms at distances of one octave, Delta tapered over a width that they do not resolve; (x, pair)."""
         k, weights, taper = tapered(stack, width, x)
         values = waves(stack, k)[0].difference
-        rows = np.stack([weights * taper * values[:, i, j] for i, j in (*PAIRS, *_SHEARED)], -1)
+        rows = np.stack([weights * taper * values[:, i, j] for i, j in (*PAIRS, *_SHEAR_PAIRS)], -1)
         sines, cosines = fourier_sums(x, k, rows[:, count:], rows[:, :count])
         return np.concatenate([cosines, sines], 1)
 
     ends = growing(width, _FAR * width)
     all_pairs = SurfaceKernel(Piecewise.of(transformed, ends, DEGREE + 1, octave(ends, width)), odd=False)
-    return all_pairs.of(np.arange(count)), replace(all_pairs.of(np.arange(count, count + len(_SHEARED))), odd=True)
+    return all_pairs.of(np.arange(count)), replace(all_pairs.of(np.arange(count, count + len(_SHEAR_PAIRS))), odd=True)

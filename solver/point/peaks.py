@@ -1,7 +1,4 @@
-"""Largest stresses inside half-spaces, films and bases under points, in the plane of symmetry (points, 7).
-
-Nets, measures and search are those of the plane; each case is solved on its nets, without a table.
-"""
+"""Largest stresses inside half-spaces, films and bases under points, on the nets of the plane (points, 7)."""
 
 from collections.abc import Set
 
@@ -19,8 +16,8 @@ from solver.point.inside import Inside
 from solver.point.sliding import Rubbed
 from solver.point.tractions import Tractions
 
-_BOTTOM, _FAR = 6.0, 6.0  # of a: how deep and how far from the edge a half-space is searched
-_OUTER = 3  # pairs of panels added to a net at most
+_BOTTOM, _FAR = 6.0, 6.0  # depth and distance from the edge over a within which a half-space is searched
+_OUTER = 3  # largest number of pairs of panels added to a net
 _TOGETHER = 64  # cases at a time: bounded memory
 
 
@@ -35,22 +32,22 @@ def peaks_of(inside: Inside, tractions: Tractions, radius: Array, requested: Set
     if "film" in searched and not inside.plain:
         require_depth(tractions.ratio / inside.stack.thickness, "radius")
     peaks: dict[str, Array] = {}
-    for places in _by_radius(tractions.ratio):
-        part = tractions.part(places)
-        values = _of_halfspace(inside, part, radius[places]) if inside.plain else _of_film(inside, part, searched)
+    for columns in _by_radius(tractions.ratio):
+        part = tractions.part(columns)
+        values = _of_halfspace(inside, part, radius[columns]) if inside.plain else _of_film(inside, part, searched)
         for name in values.keys() & requested:
-            peaks.setdefault(name, np.empty(tractions.ratio.size))[places] = values[name]
+            peaks.setdefault(name, np.empty(tractions.ratio.size))[columns] = values[name]
     return {name: peaks[name] for name in (*PEAKS, *FILM_PEAKS) if name in peaks}
 
 
 def _by_radius(ratio: Array) -> list[Indices]:
-    """Indices of cases of one radius, some at a time."""
+    """Indices of cases of one radius, at most ``_TOGETHER`` at a time."""
     by_radius = [np.flatnonzero(ratio == share) for share in np.unique(ratio)]
     return [cases[start : start + _TOGETHER] for cases in by_radius for start in range(0, cases.size, _TOGETHER)]
 
 
 def _stresses(inside: Inside, net: Net, tractions: Tractions, names: tuple[str, ...]) -> Array:
-    """Stresses on a net of tractions of one radius; (case, stress, depth, x)."""
+    """Stresses of tractions of one radius on a net; (case, stress, depth, x)."""
     size = tractions.ratio[:1]
     return inside.fields(tractions, net.positions(size, net.line)[0], -net.depths(size)[0], names)
 

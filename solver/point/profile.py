@@ -1,12 +1,6 @@
-"""Punches of revolution with the profile g = coefficient r^exponent, and the half-space's pressure (points, 3).
+"""Punches of revolution with the profile C r^e, and the pressure that they cause on a half-space (points, 3).
 
-A disc is the exponent 0: the end is flat, its edge sharp. Over C a^(e-1) the half-space's pressure is
-
-    p(x) = (2/pi) (N^-1)_yy rise e F(x),   x = sqrt(1 - r^2/a^2),
-
-with F = int_0^x (1 - x^2 + v^2)^(e/2 - 1) dv = x 2F1(1 - e/2, 1; 3/2; x^2). Up to e = 1 it is infinite at the centre,
-below e = 3 not smooth, and x does not resolve places near it: there F is Pfaff's transformation
-x (r/a)^(e-2) 2F1(1 - e/2, 1/2; 3/2; -(x a/r)^2), arsinh(x a/r) of a cone.
+Over C a^(e-1) the pressure is (2/pi) (N^-1)_yy rise e F(x), with F of (P3.3).
 """
 
 from collections.abc import Callable
@@ -27,13 +21,13 @@ DISC = 0.0
 
 @dataclass(frozen=True)
 class Shape:
-    """Profile C r^e of a punch, as contacts of every radius have it."""
+    """Profile C r^e of a punch, whatever C."""
 
     exponent: float  # Of r; 0 for a disc, whose radius is given
 
     @property
     def flat(self) -> bool:
-        """Return whether the end is flat, so that the contact has a sharp edge and a given radius."""
+        """Return True for a disc, whose flat end has a sharp edge and a given radius."""
         return self.exponent == DISC
 
     @property
@@ -43,12 +37,12 @@ class Shape:
 
     @property
     def rise(self) -> float:
-        """Depth over coefficient a^exponent to which a half-space is pressed, sqrt(pi) G(e/2 + 1) / G(e/2 + 1/2)."""
+        """Depth on a half-space over C a^e, (e + 1) m = sqrt(pi) Gamma(e/2 + 1) / Gamma(e/2 + 1/2)."""
         return float((self.exponent + 1) * self.mean)
 
     @property
     def mean(self) -> float:
-        """Return int_0^1 (1 - x^2)^(e/2) dx."""
+        """Return m = int_0^1 (1 - x^2)^(e/2) dx."""
         return float(beta(0.5, self.exponent / 2 + 1) / 2)
 
     def moments(self, count: int) -> Array:
@@ -64,28 +58,28 @@ class Shape:
         return np.asarray(np.where(whole & (below <= 0), 0.0, value))
 
 
-#: Places x at which tables hold the pressure, from the edge to the centre.
+#: Samples x = sqrt(1 - r^2/a^2) at which tables store the pressure, from the edge to the centre.
 SAMPLES = np.sin(np.pi / 2 * np.arange(1, 25) / 24)
 
-_NEAR, _SMOOTH = 0.5, 3.0  # of the centre, in r/a; the exponent from which F is smooth there
+_NEAR, _SMOOTH = 0.5, 3.0  # r/a near the centre; the exponent from which F is smooth there
 
 
 def finite(shape: Shape) -> bool:
-    """Return whether the pressure has a largest value: it has none at a disc's edge and at the apex of a cone."""
+    """Return True if the pressure is bounded: it is not at a disc's edge and at a cone's apex."""
     return shape.exponent > 1
 
 
 def halfspace_form(shape: Shape, x: Array, r: Array | None = None) -> Array:
-    """Return rise e F of the half-space; any shape, infinite at r = 0 unless ``finite``."""
+    """Return rise e F at x, or at r/a where x has too few digits; any shape, infinite at r = 0 unless ``finite``."""
     r = np.sqrt((1 - x) * (1 + x)) if r is None else r
     return np.asarray(shape.rise * shape.exponent * _form(shape.exponent, x, r))
 
 
 def _form(e: float, x: Array, r: Array) -> Array:
-    """Return F, see the module."""
+    """Return F of (P3.3); any shape."""
     if e == 1:
         return np.arcsinh(x / r)
-    is_near = (r > 0) & (r < _NEAR) & (e < _SMOOTH)
+    is_near = (r > 0) & (r < _NEAR) & (e < _SMOOTH)  # x does not resolve F near the centre: Pfaff's transformation
     radius, x_outside = np.where(is_near, r, 1.0), np.where(is_near, 0.0, x)
     return np.where(
         is_near,
@@ -101,10 +95,7 @@ def halfspace_peak(shape: Shape) -> float:
 
 
 def highest_pressure(samples: Array, pressure: Callable[[Array, Indices], Array]) -> Array:
-    """Largest pressures of cases, from those at ``SAMPLES``, (case, sample), climbed to but at the centre; (case,).
-
-    ``pressure`` returns those at places x of some of the cases, (n,), and these cases, (n,).
-    """
+    """Largest pressures, (case,), from ``samples`` (case, sample) and ``pressure(x, cases)``, (n,) each."""
     best, largest = np.argmax(samples, 1), np.max(samples, 1)
     hills = np.flatnonzero(best < SAMPLES.size - 1)
     if hills.size:

@@ -1,12 +1,4 @@
-"""Sliding along x to first order in friction (points, 8).
-
-The contact stays a circle and moves by c; sigma, D and B get a part t_1(r) cos(angle), t_1 the sine transform of psi:
-
-    N psi + layers = (2/pi) c C e rise b^(e-1) e_y - eta k H[phi_sigma],    psi_sigma(1) = 0,
-
-k the coupling of normal and tangential directions, less that of the punch, H the Hilbert transform. Radius, force,
-depth, potentials and charges of the whole contact are even in eta: to first order they are those without friction.
-"""
+"""Sliding of point contacts along x, to first order in friction (points, 8)."""
 
 import warnings
 from dataclasses import dataclass
@@ -25,13 +17,13 @@ from solver.point.slidingtable import sliding_window
 from solver.point.table import PointWindow
 from solver.point.tractions import Density, Tractions
 
-_MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # beyond either a warning states the size of the neglected terms
+_MOST_FRICTION, _MOST_ANGLE = 0.6, 0.2  # above either a warning states the size of the neglected terms
 _EDGE = np.ones(1)
 
 
 @dataclass(frozen=True, eq=False)
 class Rubbed:
-    """Densities of contacts, without friction and of its first order."""
+    """Densities of contacts, without friction and to its first order."""
 
     contact: PointContact
 
@@ -48,8 +40,8 @@ class Rubbed:
         form = np.broadcast_to(-2 / np.pi * inverse[..., :, 0], contact.state.strengths.shape)
         series, causes = np.zeros((*form.shape, 0)), contact.state.causes
         if isinstance(body, Film):
-            series = body.gathered(
-                contact.radius, lambda table, log_ratio, places: table.tractions(log_ratio, causes[places])
+            series = body.from_windows(
+                contact.radius, lambda table, log_a, cases: table.tractions(log_a, causes[cases])
             )
         unit = self._unit[:, None]
         return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None])
@@ -62,7 +54,7 @@ class Rubbed:
 
     @property
     def tractions(self) -> Tractions:
-        """Tractions at rest and from friction."""
+        """Tractions at rest and of cos(angle)."""
         friction = self.contact.pressed.friction
         if friction is None or not np.any(friction.coefficient):
             return Tractions(self.ratio, self.density, np.zeros_like(self.ratio))
@@ -85,16 +77,16 @@ class Rubbed:
         """Return, per eta, c/a and Legendre coefficients of the layers' contribution to psi; (case,), (case, 3, n)."""
         contact, body = self.contact, self.contact.pressed.body
         if not isinstance(body, Film):
-            shift = self._response.shift(self.density.turned(_EDGE)[:, 0, 0])
+            shift = self._response.shift(self.density.hilbert(_EDGE)[:, 0, 0])
             return shift / self._unit, np.zeros((*self.density.form.shape, 1))
 
-        def read(window: PointWindow, log_ratio: Array, places: Indices) -> Array:
+        def read(window: PointWindow, log_ratio: Array, cases: Indices) -> Array:
             table = sliding_window(window.kind, window.number, self._friction.punch)
-            values = np.einsum("cdf,cd->cf", table.read(log_ratio), contact.state.causes[places, body.shape.driving])
-            return np.insert(values[:, 1:].reshape(places.size, 3, -1), 0, values[:, :1], axis=-1)
+            values = np.einsum("cdf,cd->cf", table.read(log_ratio), contact.state.causes[cases, body.shape.driving])
+            return np.insert(values[:, 1:].reshape(cases.size, 3, -1), 0, values[:, :1], axis=-1)
 
-        whole = body.gathered(contact.radius, read)
-        return whole[:, 0, 0], whole[..., 1:] * self._unit[:, None, None]
+        shift_and_series = body.from_windows(contact.radius, read)
+        return shift_and_series[:, 0, 0], shift_and_series[..., 1:] * self._unit[:, None, None]
 
     @property
     def offset(self) -> Array:
@@ -105,8 +97,8 @@ class Rubbed:
         """Density psi at b, (b,) from 0 to 1, units of the body; (case, 3, b)."""
         cases = np.arange(self.ratio.size) if columns is None else columns
         (shift, series), unit = self._added, self._unit
-        turned = self.density.part(cases).turned(b)[:, 0]
-        psi = self._response.part(cases).closed(turned, b, (shift * unit)[cases])
+        hilbert = self.density.part(cases).hilbert(b)[:, 0]
+        psi = self._response.part(cases).closed(hilbert, b, (shift * unit)[cases])
         psi = psi + series[cases] @ legendre(b, series.shape[-1]).T
         return np.asarray(self._friction.coefficient[cases, None, None] * psi)
 
@@ -121,19 +113,19 @@ class Rubbed:
         """Stress sigma_xx just outside the trailing edge [Pa]; (case,)."""
         contact, friction = self.contact, self._friction
         nodes = hankel.nodes(kinked=True)
-        turned = self.sines(nodes.b) @ (nodes.b * nodes.weights) / contact.pressed.units
+        sine_moments = self.sines(nodes.b) @ (nodes.b * nodes.weights) / contact.pressed.units
         unit = friction.coefficient / contact.pressed.units[:, 0]
         first, third = edge_sums(self.density)
-        moments = 2 * turned - contact.loads / (2 * np.pi * contact.radius[:, None] ** 2)
+        moments = 2 * sine_moments - contact.loads / (2 * np.pi * contact.radius[:, None] ** 2)
         stress = rim.tension(moments, (unit * first, unit * third))
         if isinstance(body := contact.pressed.body, Film):
 
-            def read(window: PointWindow, log_ratio: Array, places: Indices) -> Array:
+            def read(window: PointWindow, log_ratio: Array, cases: Indices) -> Array:
                 tensions = sliding_window(window.kind, window.number, friction.punch).tensions(log_ratio)
-                plain, slid = np.einsum("cmd,cd->mc", tensions, contact.state.causes[places, 1:])
-                return np.asarray(plain + friction.coefficient[places] * slid)
+                plain, slid = np.einsum("cmd,cd->mc", tensions, contact.state.causes[cases, 1:])
+                return np.asarray(plain + friction.coefficient[cases] * slid)
 
-            stress = stress + body.gathered(contact.radius, read) * self._unit
+            stress = stress + body.from_windows(contact.radius, read) * self._unit
         return np.asarray(stress)
 
     @property

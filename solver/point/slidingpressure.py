@@ -1,12 +1,4 @@
-"""The largest pressure below a point that slides, to the first order in friction (points, 8).
-
-The pressure is p0(r) + p1(r) cos(angle), so that its largest value lies on the sliding direction through the centre:
-
-    p1(r) = (1/r) int_0^x psi'(sqrt(r^2 + w^2)) dw,   x = sqrt(1 - r^2),
-
-psi the density of sigma_yy, smooth at the edge but for a logarithm of its slope. Panels in the angle whose sine is r
-shrink towards the edge; a table of p1 stands beside those of a window.
-"""
+"""Largest pressure p0 + p1 cos(angle) below sliding points, to first order in friction (points, 8)."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,7 +18,7 @@ from solver.point.friction import Response, legendre_rates
 from solver.point.profile import Shape, halfspace_form
 from solver.point.slidingtable import SlidingWindow, sliding_window
 from solver.point.system import added_forms
-from solver.point.tractions import Density, second_kind_rates, turned_form_rates
+from solver.point.tractions import Density, hilbert_form_rates, second_kind_rates
 
 _COUNT = 20  # points of a panel
 _MIDDLE = np.pi / 2 * np.array([0.25, 0.5])
@@ -37,7 +29,7 @@ _TOGETHER = 4096  # cases at a time: bounded memory
 
 @dataclass(frozen=True, eq=False)
 class Ray:
-    """Panels from the centre to the edge."""
+    """Panels from the centre to the edge, in the angle whose sine is r/a; the slope of psi has a logarithm there."""
 
     ends: Array  # Angles between panels, rising; (panel + 1,)
 
@@ -53,32 +45,32 @@ class Ray:
 
     @cached_property
     def r(self) -> Array:
-        """Radius r/a; (place,)."""
+        """Radius r/a; (point,)."""
         return np.sin(self._angles)
 
     @cached_property
     def x(self) -> Array:
-        """Return sqrt(1 - r^2); (place,)."""
+        """Return sqrt(1 - r^2); (point,)."""
         return np.cos(self._angles)
 
     @cached_property
     def b(self) -> Array:
-        """Return sqrt(r^2 + w^2) of the integrals; (place, node)."""
+        """Return sqrt(r^2 + w^2) of the integrals; (point, node)."""
         return np.hypot(self.r[:, None], self.x[:, None] * LINE)
 
     def summed(self, rates: Array) -> Array:
-        """Integrate rates at ``b``, (..., place * node), over w, divided by r; (..., place)."""
+        """Integrate rates at ``b``, (..., point * node), over w, divided by r; (..., point)."""
         return np.asarray(rates.reshape(*rates.shape[:-1], *self.b.shape) @ LINE_WEIGHTS * (self.x / self.r))
 
     def top(self, middle: Array, turned: Array) -> Array:
-        """Largest of p0 + p1 cos(angle), both (case, place); (case,)."""
+        """Largest of p0 + p1 cos(angle), both (case, point); (case,)."""
         both_rays = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
         return highest(both_rays[:, None, None], self.counts, ITSELF).value
 
 
 @cached
 def ray_of(shape: Shape) -> Ray:
-    """Ray of a shape; it starts outside the apex where that is sharper than a sphere's."""
+    """Ray of a shape, which leaves out an apex that is sharper than a sphere's."""
     toward = np.pi / 2 * (1 - 0.5 ** np.arange(1, _HALVINGS + 1))
     first = np.arcsin(_APEX) if shape.exponent < 2 else 0.0
     return Ray(np.unique(np.concatenate([[first], _MIDDLE, toward, [np.pi / 2]])))
@@ -86,48 +78,44 @@ def ray_of(shape: Shape) -> Ray:
 
 @cached
 def _closed_pressures(shape: Shape) -> tuple[Array, Array]:
-    """Pressures p1 of a unit shift and of the half-space's unit form; (place,) each."""
+    """Pressures p1 of a unit shift and of the half-space's unit form; (point,) each."""
     ray, e = ray_of(shape), shape.exponent
     b = ray.b.ravel()
-    return (e - 1) * ray.summed(b ** (e - 2)), shape.rise * 2 / np.pi * ray.summed(turned_form_rates(e, b))
+    return (e - 1) * ray.summed(b ** (e - 2)), shape.rise * 2 / np.pi * ray.summed(hilbert_form_rates(e, b))
 
 
 @cached
-def _added(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
-    """Pressures p1 of the layers' even functions without friction, and of P_n(2 b - 1); (n, place) each."""
+def _series_pressures(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
+    """Pressures p1 of the layers' even functions without friction, and of P_n(2 b - 1); (n, point) each."""
     ray = ray_of(shape)
     b = ray.b.ravel()
     return 2 / np.pi * ray.summed(second_kind_rates(b, even)), ray.summed(legendre_rates(b, count).T)
 
 
 def turned_pressures(response: Response, density: Density, shift: Array, series: Array, channel: int = 0) -> Array:
-    """Pressures p1 per eta at the places of the ray, or their like of another channel; (column, place).
-
-    shift: (column,), c over a times the densities' unit; series: (column, n), coefficients of P_n(2 b - 1) that are
-    added to psi of the channel.
-    """
-    along, unit = response.answers
-    moved, form = _closed_pressures(density.shape)
-    turned = density.form[:, :1] * form
-    even, per_series = _added(density.shape, density.signed.shape[-1], series.shape[-1])
-    turned = turned + density.signed[:, 0] @ even
-    closed = (shift * unit[..., channel])[:, None] * moved - along[..., channel, None] * turned
+    """Pressures p1, or -t_1 of another channel, on the ray, per eta if ``density`` is; (column, point)."""
+    # shift: c/a times the densities' unit, (column,); series: layers' part of psi in P_n(2 b - 1), (column, n)
+    by_friction, by_shift = response.factors
+    shift_pressure, form_pressure = _closed_pressures(density.shape)
+    even, per_series = _series_pressures(density.shape, density.signed.shape[-1], series.shape[-1])
+    hilbert = density.form[:, :1] * form_pressure + density.signed[:, 0] @ even
+    closed = (shift * by_shift[..., channel])[:, None] * shift_pressure - by_friction[..., channel, None] * hilbert
     return np.asarray(closed + series @ per_series)
 
 
 @cached
 def _of_halfspace(shape: Shape) -> Array:
-    """Pressures p1 per eta of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (place,)."""
+    """Pressures p1 per eta of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (point,)."""
     ones = np.ones((1, 3))
     density = Density(shape, 0 * ones, -ones, np.zeros((1, 3, 0)))
     response = Response(np.eye(3), np.eye(3)[0], shape)
-    shift = response.shift(density.turned(np.ones(1))[:, 0, 0])
+    shift = response.shift(density.hilbert(np.ones(1))[:, 0, 0])
     return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])
 
 
 @cached
 def _turned_series(window: SlidingWindow) -> Array:
-    """Chebyshev coefficients over a window of the pressures p1 per (V, Psi, g) and eta; (node, place, 3)."""
+    """Chebyshev coefficients over a window of the pressures p1 per (V, Psi, g) and eta; (node, point, 3)."""
     pressures = [
         turned_pressures(window.response, causes, shift, series[:, 0]) for causes, shift, series in window.solutions
     ]
@@ -135,23 +123,20 @@ def _turned_series(window: SlidingWindow) -> Array:
 
 
 def largest_pressure(contact: PointContact, friction: Friction) -> Array:
-    """Largest pressure of curved punches that slide [Pa], p0 + p1 cos(angle) over the contact; (case,).
-
-    For exponents below 2, whose apex is sharp, it is the pressure at rest.
-    """
-    at_rest = contact.peak_pressure
-    largest = np.array(at_rest)
+    """Largest pressure of curved punches that slide [Pa], for exponents below 2 at least that at rest; (case,)."""
+    largest = np.array(contact.peak_pressure)
     slid = np.flatnonzero(friction.coefficient != 0)
     for first in range(0, slid.size, _TOGETHER):
         cases = slid[first : first + _TOGETHER]
         middle, turned = _pressures(contact, friction, cases)
         size = (contact.size / contact.radius / contact.pressed.units[:, 0])[cases]
-        largest[cases] = np.maximum(at_rest[cases], size * ray_of(contact.pressed.body.shape).top(middle, turned))
+        top = size * ray_of(contact.pressed.body.shape).top(middle, turned)
+        largest[cases] = np.maximum(largest[cases], top)
     return largest
 
 
 def _pressures(contact: PointContact, friction: Friction, cases: Indices) -> tuple[Array, Array]:
-    """Pressures p0 and p1 of some cases at the places of the ray, over C a^(e-1); (case, place) each."""
+    """Pressures p0 and p1 of ``cases`` on the ray, over C a^(e-1); (case, point) each."""
     body, eta = contact.pressed.body, friction.coefficient[cases, None]
     shape, ray = body.shape, ray_of(body.shape)
     inverse = np.linalg.inv(np.broadcast_to(contact.state.stiffness.compliance, (contact.radius.size, 3, 3))[cases])
@@ -160,10 +145,10 @@ def _pressures(contact: PointContact, friction: Friction, cases: Indices) -> tup
         coupled = np.einsum("ci,ci->c", inverse[:, 0], friction.coupling[cases])
         return middle, eta * (2 / np.pi * inverse[:, 0, 0] * coupled)[:, None] * _of_halfspace(shape)
     turned = np.empty_like(middle)
-    for places, window, log_ratio in body.part(cases).windows(contact.radius[cases]):
-        causes = contact.state.causes[cases[places]]
+    for rows, window, log_ratio in body.part(cases).windows(contact.radius[cases]):
+        causes = contact.state.causes[cases[rows]]
         added = window.tractions(log_ratio, causes)[:, 0]
-        middle[places] -= added @ added_forms(ray.x, added.shape[-1]).T
+        middle[rows] -= added @ added_forms(ray.x, added.shape[-1]).T
         series = _turned_series(sliding_window(window.kind, window.number, friction.punch))
-        turned[places] = window.interval.read(log_ratio, series, causes[:, 1:])
+        turned[rows] = window.interval.read(log_ratio, series, causes[:, 1:])
     return middle, eta * turned

@@ -1,8 +1,4 @@
-"""Windows over the radius of the layers' contribution to sliding contacts (points, 8).
-
-The half-space's answer is steep near the edge and kept apart, in closed form; the layers' contribution to it is smooth:
-Nystroem's method, spectral.
-"""
+"""Layers' contribution to sliding point contacts, tabulated over the radius (points, 8)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -31,7 +27,7 @@ class SlidingWindow:
     """Layers' contribution to friction over half a decade of radii."""
 
     window: PointWindow
-    punch: float
+    punch: float  # k_p of the punch [1/Pa]
 
     @cached_property
     def _series(self) -> Array:
@@ -69,7 +65,7 @@ class SlidingWindow:
             yield self._causes(number), solved[:, 0], solved[:, 1:].reshape(3, 3, -1)
 
     def _causes(self, number: int) -> Density:
-        """Densities of V, Psi and profile, each with the depth that makes its edge smooth; below a disc of u0."""
+        """Densities of V, Psi and profile, each with the depth that makes its edge smooth; of u0 for a disc."""
         shape, edges = self.window.kind.shape, self.window.edges[number]
         causes = np.zeros((3, 4))
         causes[:, shape.driving] = np.eye(3)
@@ -85,24 +81,20 @@ class SlidingWindow:
 
     @cached_property
     def _tensions(self) -> Array:
-        """Chebyshev coefficients of the layers' contribution to sigma_xx at the trailing edge [Pa]; (node, 2, 3).
+        """Chebyshev coefficients of ``tensions``, without friction and per eta, by (V, Psi, g); (node, 2, 3)."""
+        inside, names, stresses = Inside(self.window.kind.film), ("stress_xx",), []
+        for radius, (density, shift, series) in zip(np.exp(self.window.nodes), self.solutions, strict=True):
+            ratio = np.full(3, radius)
 
-        It is given per (V, Psi, g), without friction and per eta.
-        """
-        kind, nodes = self.window.kind, self.window.nodes
-        inside, rows, rim = Inside(kind.film), ("stress_xx",), np.ones(1)
-        stresses = []
-        for number, ratio in enumerate(np.exp(nodes).tolist()):
-            density, ratios, solved = self._causes(number), np.full(3, ratio), self._solved[number]
-
-            def sines(b: Array, columns: Indices, density: Density = density, solved: Array = solved) -> Array:
+            def sines(
+                b: Array, columns: Indices, density: Density = density, shift: Array = shift, series: Array = series
+            ) -> Array:
                 """Density psi per eta; (column, 3, b)."""
-                series = solved[columns, 1:].reshape(columns.size, 3, -1)
-                closed = self.response.closed(density.part(columns).turned(b)[:, 0], b, solved[columns, 0])
-                return np.asarray(closed + series @ legendre(b, series.shape[-1]).T)
+                closed = self.response.closed(density.part(columns).hilbert(b)[:, 0], b, shift[columns])
+                return np.asarray(closed + series[columns] @ legendre(b, series.shape[-1]).T)
 
-            plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), rim, rows)[:, 0, 0]
-            slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), rim, rows)[:, 0, 0]
+            plain = inside.of_layers(Tractions(ratio, density, np.zeros(3)), _EDGE, names)[:, 0, 0]
+            slid = inside.of_layers(Tractions(ratio, density, np.ones(3), sines), _EDGE, names)[:, 0, 0]
             stresses.append([plain, slid - plain])
         return coefficients(np.array(stresses))
 
@@ -114,33 +106,32 @@ class SlidingWindow:
 def _solution(
     response: Response, causes: Density, phases: Array, weights: Array, normal: Array, along: Array, count: int
 ) -> Array:
-    """Shift c/a and Legendre coefficients of psi without the half-space's, per eta; (cause, 1 + 3 count).
+    """Shift c/a and Legendre coefficients of the layers' psi per eta, by Nystroem's method; (cause, 1 + 3 count).
 
-    phases, weights: (k,), ka and the weights of integrals over it; normal, along: (k, 3, 3) and (k, 3), Delta over
-    (y, phi, psi), and of these to the traction along x.
+    phases, weights: ka and the weights of integrals over it, (k,) each; normal: Delta over (y, phi, psi), (k, 3, 3);
+    along: Delta of these by the traction along x, (k, 3).
     """
     gauss, gauss_weights = legendre_rule(count)
     b, rule = (1 + gauss) / 2, gauss_weights / 2
     sines = np.sin(phases[:, None] * b)
-    shares = 2 / np.pi * weights
+    wave_weights = 2 / np.pi * weights
     local = np.einsum("ij,mn->imjn", response.compliance, np.eye(count))
-    kernel = np.einsum("km,kn,kij->imjn", sines, sines * shares[:, None], normal, optimize=True) * rule
+    kernel = np.einsum("km,kn,kij->imjn", sines, sines * wave_weights[:, None], normal, optimize=True) * rule
     system = (local + kernel).reshape(3 * count, 3 * count)
 
     fine = hankel.nodes(parts=hankel.parts(phases), kinked=True)
-    turned = causes.turned(fine.b)[:, 0]
-    free = response.closed(turned, fine.b, np.zeros(len(turned)))
-    moved = response.closed(np.zeros((1, fine.b.size)), fine.b, np.ones(1))
-    waved = np.sin(phases[:, None] * fine.b) * fine.weights
-    carried = np.einsum("kij,kb,cjb->ick", normal, waved, np.concatenate([free, moved]), optimize=True)
-    pushed = np.einsum(
-        "kb,cb->ck", np.cos(phases[:, None] * fine.b) * fine.weights, causes.at(fine.b)[:, 0], optimize=True
-    )
-    carried[:, :-1] -= along.T[:, None] * pushed
-    right = -np.einsum("ick,k,kn->inc", carried, shares, sines, optimize=True)
+    hilbert = causes.hilbert(fine.b)[:, 0]
+    by_friction = response.closed(hilbert, fine.b, np.zeros(len(hilbert)))
+    by_shift = response.closed(np.zeros((1, fine.b.size)), fine.b, np.ones(1))
+    fine_sines = np.sin(phases[:, None] * fine.b) * fine.weights
+    fine_cosines = np.cos(phases[:, None] * fine.b) * fine.weights
+    added = np.einsum("kij,kb,cjb->ick", normal, fine_sines, np.concatenate([by_friction, by_shift]), optimize=True)
+    sheared = np.einsum("kb,cb->ck", fine_cosines, causes.at(fine.b)[:, 0], optimize=True)
+    added[:, :-1] -= along.T[:, None] * sheared
+    right = -np.einsum("ick,k,kn->inc", added, wave_weights, sines, optimize=True)
     values = np.linalg.solve(system, right.reshape(3 * count, -1)).reshape(3, count, -1)
     series = (2 * np.arange(count) + 1)[:, None] * (legendre(b, count).T * rule) @ values  # (3, n, cause)
-    return response.settled(causes.turned(_EDGE)[:, 0, 0], series, np.sum(series[0], 0))  # P_n(1) = 1
+    return response.smooth(causes.hilbert(_EDGE)[:, 0, 0], series, np.sum(series[0], 0))  # P_n(1) = 1
 
 
 @cached

@@ -1,13 +1,6 @@
-"""Contacts of revolution at known radii: from forces and charges to displacements and potentials, and the tangents.
+"""Point contacts of known radii: displacements and potentials from forces and charges, and tangents (points, 3).
 
-A contact of the radius a has the loads ``a loads . (u0, g)`` and the edge strengths ``edges . (u0, g) / a``: columns of
-u0 = (-depth, V, Psi) and of the profile g = (r/a)^exponent (points, 3). Near the edge a traction is its strength over
-sqrt(1 - r^2/a^2). Displacements are over C a^e and loads over C a^(e+1), C r^e the profile (1 and e = 0 of a disc): the
-half-space's are constants.
-
-The edge of a contact between curved surfaces is smooth. This condition and the charges make three linear equations.
-Moving the edge at fixed displacements releases energy (Irwin), d loads / d log a = pi^2 edges^T N strengths, so that
-tangents need no derivative of a table.
+Causes are u0 = (-depth, V, Psi) over C a^e and the profile g = (r/a)^e, with C a^e = 1 for a disc.
 """
 
 from dataclasses import dataclass
@@ -101,7 +94,7 @@ class PressedState:
 
     @cached_property
     def _released(self) -> Array:
-        """Return -d loads / d log a at fixed displacements, over C a^(e+1); (..., 3)."""
+        """Return -d loads / d log a at fixed displacements by (P3.4), over C a^(e+1); (..., 3)."""
         displaced = np.einsum("...ij,...j->...i", self.stiffness.compliance, self.strengths)
         return np.asarray(np.pi**2 * np.einsum("...ji,...j->...i", self.stiffness.edges[..., :3], displaced))
 
@@ -116,13 +109,13 @@ class PressedState:
     def force_rate(self) -> Array:
         """Return dP / d log a with the charges or potentials held, over C a^(e+1); (...). Not for a disc."""
         right = -np.concatenate([self._opening[..., None], np.where(self.held, 0.0, self._released[..., 1:])], -1)
-        moved = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
-        followed = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], moved)
-        return np.asarray(-followed - self._released[..., 0])
+        displacement_rates = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
+        by_displacement = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], displacement_rates)
+        return np.asarray(-by_displacement - self._released[..., 0])
 
     @cached_property
     def tangent(self) -> Array:
-        """Return -d(P, T, J) / d(-depth, V, Psi) over a, with the edge moving along; (..., 3, 3)."""
+        """Return -d(P, T, J) / d(-depth, V, Psi) over a, with a moving edge; (..., 3, 3)."""
         loads = self.stiffness.loads[..., :3]
         if self.shape.flat:
             return loads

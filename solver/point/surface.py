@@ -1,10 +1,4 @@
-"""Fields along the surface of point contacts, below the punch and outside (points, 5).
-
-Tractions are t = strength / x + bounded, x = sqrt(1 - r^2/a^2), below the punch and zero outside. On a half-space the
-stretch of the surface is local, div u = -k . t, so that u_r = -(k/r) . int_0^r t s ds, in closed form. On a film the
-top's half-space answers the whole tractions so, and the layers' contribution is summed over wavenumbers. It is smooth
-in the position and in log a: the sums are taken at the nodes of a window, once for each set of positions.
-"""
+"""Fields along the surface of point contacts, below the punch and outside (points, 5)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,14 +23,14 @@ _STRESSES = ("stress_xx", "stress_zz")
 
 
 def added_stresses(contact: PointContact, positions: Array) -> Array:
-    """Layers' contribution to sigma_rr and sigma_tt at r/a, SI; (case, 2, position)."""
+    """Layers' contribution to sigma_rr and sigma_tt at r/a, SI, interpolated in log a; (case, 2, position)."""
     body = contact.pressed.body
     if not isinstance(body, Film):
         return np.zeros((contact.radius.size, 2, 1))
-    places = tuple(positions.tolist())
-    read = body.gathered(
+    key = tuple(positions.tolist())
+    read = body.from_windows(
         contact.radius,
-        lambda table, log_ratio, _: table.interval.read(log_ratio, _series(table.kind, table.number, places)),
+        lambda table, log_ratio, _: table.interval.read(log_ratio, _series(table.kind, table.number, key)),
     )
     causes = contact.state.causes * (contact.size / contact.radius)[:, None]
     return np.asarray(np.einsum("ckd,cd->ck", read.reshape(len(read), -1, 4), causes)).reshape(len(read), 2, -1)
@@ -45,10 +39,10 @@ def added_stresses(contact: PointContact, positions: Array) -> Array:
 @cached
 def _series(kind: PointKind, number: int, positions: tuple[float, ...]) -> Array:
     """Chebyshev coefficients of the stresses per (u0, g) over C a^e; (node, stress and position and cause)."""
-    table, inside, places = window(kind, number), Inside(kind.film), np.array(positions)
+    table, inside, X = window(kind, number), Inside(kind.film), np.array(positions)
     stresses = [
-        inside.of_layers(Tractions(np.full(4, ratio), table.density(number, np.eye(4)), np.zeros(4)), places, _STRESSES)
-        for number, ratio in enumerate(np.exp(table.nodes).tolist())
+        inside.of_layers(Tractions(np.full(4, ratio), table.density(node, np.eye(4)), np.zeros(4)), X, _STRESSES)
+        for node, ratio in enumerate(np.exp(table.nodes).tolist())
     ]
     return coefficients(np.moveaxis(np.stack(stresses), 1, -1).reshape(len(stresses), -1))
 
@@ -88,17 +82,17 @@ class Along:
         strength, x = self.contact.state.strengths[..., None], self._x[below]
         tractions = np.zeros((*strength.shape[:-1], self.positions.size))
         tractions[..., below] = strength / x + self._per_form * self._form()[below]
-        for places, series in self._layers():
+        for cases, series in self._layers():
             forms = added_forms(x, series.shape[-1])
-            tractions[places[:, None, None], np.arange(3)[:, None], below] += series @ forms.T
+            tractions[cases[:, None, None], np.arange(3)[:, None], below] += series @ forms.T
         return np.asarray(tractions * self._units)
 
     def _layers(self) -> Iterator[tuple[Indices, Array]]:
         """Yield cases and their layers' coefficients, whose strength is in the half-space's part."""
         contact = self.contact
         if isinstance(film := contact.pressed.body, Film):
-            for places, table, log_ratio in film.windows(contact.radius):
-                yield places, table.tractions(log_ratio, contact.state.causes[places])
+            for cases, table, log_ratio in film.windows(contact.radius):
+                yield cases, table.tractions(log_ratio, contact.state.causes[cases])
 
     def means(self) -> Array:
         """Return int_0^r t s ds / r^2, half the mean traction within r; (case, 3, position)."""
@@ -107,8 +101,8 @@ class Along:
         form = (self.contact.pressed.body.shape.rise * e * within + self._form()) / (e + 1)
         beyond = 1 / np.maximum(np.abs(self.positions), 1.0) ** 2
         means = self.contact.state.strengths[..., None] * within + self._per_form * form
-        for places, series in self._layers():
-            means[places] += series @ added_means(x, series.shape[-1]).T
+        for cases, series in self._layers():
+            means[cases] += series @ added_means(x, series.shape[-1]).T
         return np.asarray(means * beyond * self._units)
 
     def stresses(self, rim: Rim) -> dict[str, Array]:

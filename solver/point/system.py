@@ -1,16 +1,9 @@
 """Galerkin's equations for the tractions of a contact of known radius on a layered body (points, 4).
 
-With x = sqrt(1 - s^2/a^2) a traction is sum_n c_n P_2n(x) / (abs(P_2n(0)) x), whose transform is a^2 c_n j_2n(ka).
-Tested with these functions, the displacements below the punch give
-
-    a sum_n A_mn c_n = u0 delta_m0 + <g>_m,    A_mn = N pi / (2 (4 n + 1)) delta_mn + K_mn,
-    K_mn(a) = int_0^inf Delta(s/a) j_2m(s) j_2n(s) ds,    Delta = Y_top - Y0 over (y, phi, psi).
-
-Delta is the plane's: a surface wave has the same multiplier in space. The half-space's coefficients, known in closed
-form, are kept apart: the layers' contribution has few terms, whatever the profile. On a base that insulates the
-magnetic field the flux leaves sideways: psi is then a logarithm far away, and zero at the distance of all layers'
-thickness.
+K is the integral of Delta j_2m j_2n in (P4.2). The half-space's coefficients have a closed form and stay apart.
 """
+
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -41,9 +34,10 @@ def interactions(stack: Stack, radii: Array, count: int) -> Array:
         for start in range(0, same_size.size, step):
             block = same_size[start : start + step]
             orders = np.moveaxis(even_orders(radii[block, None] * k, count), 0, 1)  # (radius, n, k)
-            for i, j in _coupled(added):
-                K[block, i, j] = K[block, j, i] = _products(orders, added[i, j])
-        if spread := sideways(stack):
+            for i, j in combinations_with_replacement(range(3), 2):
+                if np.any(added[i, j]):  # channels that the stack couples
+                    K[block, i, j] = K[block, j, i] = _products(orders, added[i, j])
+        if spread := sideways(stack):  # psi is a logarithm far away, zero at the distance of all layers' thickness
             K[same_size, 2, 2, 0, 0] -= np.sum(weights * spread / k * np.exp(-k * stack.thickness / 2))
     return np.asarray(K * radii[:, None, None, None, None])
 
@@ -67,11 +61,6 @@ def _products(orders: Array, weights: Array) -> Array:
     return products
 
 
-def _coupled(added: Array) -> list[tuple[int, int]]:
-    """Pairs of channels that a stack couples."""
-    return [(i, j) for i in range(3) for j in range(i, 3) if np.any(added[i, j])]
-
-
 def added_forms(x: Array, count: int) -> Array:
     """Return (P_2n(x) - P_2n(0)) / (abs(P_2n(0)) x) at x = sqrt(1 - r^2/a^2) > 0; (..., n)."""
     values = np.polynomial.legendre.legvander(x, 2 * count - 2)[..., ::2]
@@ -80,17 +69,14 @@ def added_forms(x: Array, count: int) -> Array:
 
 
 def added_means(x: Array, count: int) -> Array:
-    """Return int_0^r of ``added_forms`` times s ds over r^2 at r = sqrt(1 - x^2) <= 1; (..., n).
-
-    It follows from int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1)).
-    """
+    """Return int_0^r of ``added_forms`` times s ds over r^2 at r = sqrt(1 - x^2) <= 1; (..., n)."""
     m = 2 * np.arange(count)
+    # int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1))
     antiderivatives = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
-    derived = (
-        np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(antiderivatives, axis=1).T)
-        if count > 1
-        else 0 * x[None]
-    )
+    if count > 1:
+        derived = np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(antiderivatives, axis=1).T)
+    else:
+        derived = 0 * x[None]
     at_zero = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
     means = np.moveaxis(derived, 0, -1) - at_zero / (1 + x[..., None])
     return np.asarray(np.where(m > 0, means / np.abs(at_zero), 0.0))
@@ -107,10 +93,7 @@ def halfspace_terms(compliance: Array, shape: Shape, count: int) -> Array:
 
 
 def added_terms(compliance: Array, interactions: Array, shape: Shape) -> Array:
-    """Coefficients a c that layers and base add to those of the half-space of N (3, 3); (radius, 3, n, 4).
-
-    interactions: K at the radii, (radius, 3, 3, n, n).
-    """
+    """Coefficients a c that layers with K, (radius, 3, 3, n, n), add to a half-space of N (3, 3); (radius, 3, n, 4)."""
     count = interactions.shape[-1]
     local = np.einsum("ij,mn->imjn", compliance, np.diag(np.pi / 2 / (4 * np.arange(count) + 1)))
     coupling = np.moveaxis(interactions, 2, 3).reshape(-1, 3 * count, 3 * count)

@@ -1,12 +1,7 @@
-"""Windows over the radius of contacts on a layered body: Chebyshev in log a, half a decade each (points, 4).
-
-By dimension only P R/h^3 of a sphere, P/(tan beta h^2) of a cone and their kind matter, so that one axis is enough. The
-interactions of a stack are computed once and serve every punch: its profile, its elasticity, its conduction.
-"""
+"""Point contacts on a layered body, tabulated in log a over windows of half a decade (points, 4)."""
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 
 import numpy as np
 
@@ -26,7 +21,7 @@ _A_DECADE = 2  # windows per decade, as along a line
 _OVERLAP = 1.05  # of a window with its neighbours
 _RADII = 20  # radii of a window up to a/h = 10: 1e-13 between them
 _WIDE, _DIGITS = 2, 28.0  # first window beyond a/h = 10; exponent of the error between its radii: 1e-12
-_RUNGS = 9
+_RUNGS = 9  # of the search for a radius in a window
 _FIRST, _SMOOTH, _KINKED = 12, 9.0, 14.0  # functions of a small contact; more per root of a/h, by the profile
 _SMOOTH_WIDE = 7.0  # the same beyond a/h = 10: loads to 1e-12, edge strengths to 2e-10
 
@@ -66,7 +61,7 @@ class PointWindow:
     """Contacts on one film of unit thickness, over half a decade of radii and a little more."""
 
     kind: PointKind
-    number: int
+    number: int  # Index of the half decade of a/h
 
     @cached_property
     def interval(self) -> Interval:
@@ -120,7 +115,7 @@ class PointWindow:
         return np.linspace(self.interval.low, self.interval.high, _RUNGS)
 
     def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
-        """P over C a^(e+1) and d log P / d log a at log (a/h), without charges or with potentials held at zero."""
+        """P over C a^(e+1), and d log P / d log a, at log (a/h), without charges or with held zero potentials."""
         series, rates = self._forces[held]
         polynomials = self.interval.polynomials(log_radius)
         return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
@@ -129,13 +124,12 @@ class PointWindow:
     def _forces(self) -> dict[tuple[bool, bool], tuple[Array, Array]]:
         """Chebyshev coefficients of log P and of its derivative, by the held potentials."""
         stiffness = self.kind.stiffness(self.read(self.nodes))
-        series_of: dict[tuple[bool, bool], tuple[Array, Array]] = {}
-        for electric, magnetic in product((False, True), repeat=2):
-            held = electric, magnetic
+        by_held: dict[tuple[bool, bool], tuple[Array, Array]] = {}
+        for held in ((False, False), (False, True), (True, False), (True, True)):
             state = PressedState(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
             series = coefficients(np.log(state.loads[..., 0]))
-            series_of[held] = series, self.interval.derived(series)
-        return series_of
+            by_held[held] = series, self.interval.derived(series)
+        return by_held
 
     def tractions(self, log_radius: Array, causes: Array) -> Array:
         """Layers' coefficients of the tractions of causes (u0, g), (case, 4), times a; (case, 3, n)."""
@@ -143,7 +137,7 @@ class PointWindow:
 
 
 def interval(number: int, count: int | None = None) -> Interval:
-    """Range of log a of a window, with `count` Chebyshev points."""
+    """Range of log a of a window, with ``count`` Chebyshev points."""
     step, beyond = np.log(10) / _A_DECADE, np.log(_OVERLAP)
     low, high = np.clip([number * step - beyond, (number + 1) * step + beyond], np.log(LEAST), np.log(MOST)).tolist()
     if count is None:
@@ -159,16 +153,16 @@ def window(kind: PointKind, number: int) -> PointWindow:
 
 @cached
 def _kernel(film: Stack, number: int, smooth: bool) -> Array:
-    """Interactions of a film of unit thickness at the radii of a window; (node, 3, 3, n, n)."""
+    """Interactions of a film of unit thickness at the radii of a window, for every punch; (node, 3, 3, n, n)."""
     radii = np.exp(interval(number).points)
     reach = float(np.max(radii)) / min(float(film.media[0].slowest), 1.0)
-    # a kink of the profile at its apex takes more functions
+    # a kink of the profile at its apex needs more functions
     share = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
     count = _FIRST + int(share * np.sqrt(reach))
     return interactions(film, radii, count)
 
 
-def _masked(interactions_of_all: Array, kind: PointKind) -> Array:
-    """Interactions without the entries that couple fields which the punch does not conduct."""
-    ahead = np.moveaxis(interactions_of_all, (1, 2), (-2, -1))
-    return np.moveaxis(conducted(ahead, np.array(kind.conducts)), (-2, -1), (1, 2))
+def _masked(kernel: Array, kind: PointKind) -> Array:
+    """Interactions without the entries that couple fields which the punch does not conduct; (node, 3, 3, n, n)."""
+    channels_last = np.moveaxis(kernel, (1, 2), (-2, -1))
+    return np.moveaxis(conducted(channels_last, np.array(kind.conducts)), (-2, -1), (1, 2))

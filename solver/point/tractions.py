@@ -1,8 +1,4 @@
-"""Tractions of point contacts as densities over 0 <= b <= 1, with their part from friction (points, 7 and 8).
-
-A traction ``strength / x`` has a constant density, its strength; the density of the half-space's pressure is
-``rise (1 - b^e)``, and that of P_2n(x) / (abs(P_2n(0)) x) is (-1)^n P_2n(b).
-"""
+"""Tractions of point contacts as densities over 0 <= b <= 1, at rest and from friction (points, 7 and 8)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +14,7 @@ from solver.point.profile import Shape
 from solver.stack.layers import Stack
 from solver.stack.wavenumbers import wavenumbers
 
-_AT_KINK = 3e-4  # distance over a that counts at a kink itself: a millionth deep, rounding is 1e-8
+_AT_KINK = 3e-4  # least distance over a from a kink: a millionth deep, rounding is 1e-8
 _KINK_NODES = 40  # of the integral that a kinked profile adds to the logarithm
 
 
@@ -33,7 +29,7 @@ class Density:
 
     @property
     def kinked(self) -> bool:
-        """Return whether the profile is not a polynomial of r^2."""
+        """Return True if the profile is not a polynomial of r^2."""
         return not self.shape.flat and self.shape.exponent % 2 != 0
 
     def part(self, columns: Indices) -> "Density":
@@ -62,33 +58,27 @@ class Density:
         derived = np.polynomial.legendre.legder(legendre, axis=-1) if count > 1 else np.zeros((*legendre.shape[:2], 1))
         return np.asarray(closed - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
 
-    def turned(self, b: Array) -> Array:
-        """Hilbert transform (1/pi) PV int_-1^1 phi(s) / (b - s) ds, to which friction is proportional; (column, 3, b).
-
-        The transform of the strengths has a logarithm at the edge. It is added below a disc alone: the pressure of
-        other punches has no strength.
-        """
-        steep, e = np.arctanh(np.minimum(b, 1 - 1e-16)), self.shape.exponent
-        if self.shape.flat:
-            closed = self.strengths[..., None] * steep
+    def hilbert(self, b: Array) -> Array:
+        """Hilbert transform (1/pi) PV int_-1^1 phi(s) / (b - s) ds at b (b,); (column, 3, b)."""
+        artanh, e = np.arctanh(np.minimum(b, 1 - 1e-16)), self.shape.exponent
+        if self.shape.flat:  # the pressure of other punches has no strength
+            closed = self.strengths[..., None] * artanh
         else:  # b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds of the form
-            turned = (1 - b**e) * steep + b ** (e - 1) * _stretched(e, b)
-            closed = self.shape.rise * self.form[..., None] * turned
-        return np.asarray((2 / np.pi) * (closed + self._turned_series(b, steep)))
+            per_form = (1 - b**e) * artanh + b ** (e - 1) * _power_mean(e, b)
+            closed = self.shape.rise * self.form[..., None] * per_form
+        return np.asarray((2 / np.pi) * (closed + self._hilbert_series(b, artanh)))
 
-    def _turned_series(self, b: Array, steep: Array) -> Array:
+    def _hilbert_series(self, b: Array, artanh: Array) -> Array:
         """Hilbert transform of the layers' contribution times pi/2; (column, 3, b)."""
-        count = self._count
-        if count:
-            degree = 2 * count - 2
-            P = np.polynomial.legendre.legvander(b, max(degree, 1))
-            D = np.zeros((max(degree, 1) + 1, b.size))  # Q_n - P_n artanh, of the same recurrence
-            D[1] = -1.0
-            for n in range(1, degree):
-                D[n + 1] = ((2 * n + 1) * b * D[n] - n * D[n - 1]) / (n + 1)
-            legendre = (P.T[0 : degree + 1 : 2] - 1) * steep + D[0 : degree + 1 : 2]
-            return np.asarray(self.signed @ legendre)
-        return np.zeros((1, 1, b.size))
+        if not self._count:
+            return np.zeros((1, 1, b.size))
+        degree = 2 * self._count - 2
+        P = np.polynomial.legendre.legvander(b, max(degree, 1))
+        D = np.zeros((max(degree, 1) + 1, b.size))  # Q_n - P_n artanh, of the same recurrence
+        D[1] = -1.0
+        for n in range(1, degree):
+            D[n + 1] = ((2 * n + 1) * b * D[n] - n * D[n - 1]) / (n + 1)
+        return np.asarray(self.signed @ ((P.T[0 : degree + 1 : 2] - 1) * artanh + D[0 : degree + 1 : 2]))
 
     @cached_property
     def signed(self) -> Array:
@@ -100,13 +90,13 @@ class Density:
         return int(self.series.shape[-1])
 
 
-def turned_form_rates(exponent: float, b: Array) -> Array:
+def hilbert_form_rates(e: float, b: Array) -> Array:
     """Derivative by b of b PV int_0^1 (1 - s^e) / (b^2 - s^2) ds at 0 < b < 1; (b,)."""
-    steep = np.arctanh(np.minimum(b, 1 - 1e-16))
-    return np.asarray(exponent * (b ** (exponent - 2) * _stretched(exponent, b) - b ** (exponent - 1) * steep))
+    artanh = np.arctanh(np.minimum(b, 1 - 1e-16))
+    return np.asarray(e * (b ** (e - 2) * _power_mean(e, b) - b ** (e - 1) * artanh))
 
 
-def _stretched(e: float, b: Array) -> Array:
+def _power_mean(e: float, b: Array) -> Array:
     """Return int_0^1 (1 - (s/b)^e) / (1 - (s/b)^2) ds; (b,)."""
     if e % 2 == 0:  # a polynomial of 1/b
         powers = np.arange(0, e, 2)
@@ -120,30 +110,28 @@ def _stretched(e: float, b: Array) -> Array:
 
 
 def second_kind_rates(b: Array, count: int) -> Array:
-    """Derivative by b of Q_2n - artanh, n < count, of Legendre functions at 0 <= b < 1; (n, b).
-
-    It is P_n' artanh + D_n' - E_n / (1 + b), where Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n.
-    """
+    """Derivative by b of Q_2n - artanh, n < count, of Legendre functions at 0 <= b < 1; (n, b)."""
+    # Q_n = P_n artanh + D_n and P_n = 1 - (1 - b) E_n: the derivative is P_n' artanh + D_n' - E_n / (1 + b)
     degree = max(2 * count - 2, 1)
     P, D, E = (np.zeros((degree + 1, b.size)) for _ in range(3))
-    slope, falling = np.zeros_like(P), np.zeros_like(D)
-    P[0], P[1], slope[1], D[1], E[1] = 1.0, b, 1.0, -1.0, 1.0
+    P_rates, D_rates = np.zeros_like(P), np.zeros_like(D)
+    P[0], P[1], P_rates[1], D[1], E[1] = 1.0, b, 1.0, -1.0, 1.0
     for n in range(1, degree):
-        for values, derivatives in ((P, slope), (D, falling)):
+        for values, derivatives in ((P, P_rates), (D, D_rates)):
             values[n + 1] = ((2 * n + 1) * b * values[n] - n * values[n - 1]) / (n + 1)
             derivatives[n + 1] = ((2 * n + 1) * (values[n] + b * derivatives[n]) - n * derivatives[n - 1]) / (n + 1)
         E[n + 1] = ((2 * n + 1) * (b * E[n] + 1) - n * E[n - 1]) / (n + 1)
-    rates = slope * np.arctanh(np.minimum(b, 1 - 1e-16)) + falling - E / (1 + b)
+    rates = P_rates * np.arctanh(np.minimum(b, 1 - 1e-16)) + D_rates - E / (1 + b)
     return np.asarray(rates[: 2 * count : 2])
 
 
-#: Function of b and columns: psi of (sigma_yy, D_y, B_y), the part of cos(angle); (column, 3, b).
+#: Function of b and columns that returns psi of (sigma_yy, D_y, B_y); (column, 3, b).
 Sines = Callable[[Array, Indices], Array]
 
 
 @dataclass(frozen=True, eq=False)
 class Tractions:
-    """Tractions of point contacts in the units of a body; columns of cases or causes."""
+    """Tractions of point contacts in the units of a body; columns are cases or causes."""
 
     ratio: Array  # Contact radius over the unit of the body's lengths; (column,)
     density: Density
@@ -152,7 +140,7 @@ class Tractions:
 
     @property
     def kinked(self) -> bool:
-        """Return whether the densities are kinked at 0 or steep at 1."""
+        """Return True if the densities are kinked at 0 or steep at 1."""
         return self.density.kinked or self.sines is not None
 
     def part(self, columns: Indices) -> "Tractions":
@@ -162,10 +150,9 @@ class Tractions:
         return Tractions(self.ratio[columns], self.density.part(columns), self.friction[columns], sines)
 
     def vectors(self, b: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Densities of (sigma_xy, sigma_yy, D_y, B_y) at b of some columns; (column, 4, b), at rest and of cos(angle).
+        """Densities of (sigma_xy, sigma_yy, D_y, B_y) at b, at rest and (None: no friction) of cos(angle).
 
-        At rest all are coefficients of cos kb. Of the part of cos(angle) sigma_xy is one of cos kb and the others of
-        sin kb; it is None without friction.
+        (column, 4, b) each, for cos kb in the transform, but for sin kb in sigma_yy, D_y and B_y of cos(angle).
         """
         pressing = self.density.part(columns).at(b)
         plain = np.concatenate([np.zeros_like(pressing[:, :1]), pressing], 1)
@@ -183,7 +170,7 @@ class Tractions:
         return hankel.nodes(radius, near, kinked=self.kinked)
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
-        """Tractions at the surface as waves of phases k a: at rest, and of cos(angle); (k, 4, column) each."""
+        """Transforms of the tractions at phases k a, at rest and of cos(angle); (k, 4, column) each."""
         nodes = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
         first, second = self.vectors(nodes.b, columns)
         cosines = np.cos(phases[:, None] * nodes.b) * nodes.weights

@@ -1,12 +1,7 @@
 """Waves inside a body under point contacts, summed with Bessel functions in the plane of symmetry (points, 7 and 8).
 
-A surface wave in the direction A has the sagittal fields of the plane problem, in the frame of A. Summed over A,
-scalars take J_0 and components along x take J_1; the stresses in the surface turn with A and take J_0 and J_2. The
-part that goes with cos(angle) has one order more, and the shear waves along the crests.
-
-Shear waves along their crests carry no field: friction makes them. Their u(y) and tau = sigma(crest, y) obey
-c44 u'' = c66 k^2 u; downwards they decay as exp(-g k z), g^2 = c66 / c44, with k u = tau / sqrt(c44 c66). Interfaces
-are bonded to them, whatever they are to the fields.
+Shear waves along their crests obey c44 u'' = c66 k^2 u with tau = sigma(crest, y) and decay as exp(-g k z), g^2 =
+c66 / c44. To them every interface is bonded.
 """
 
 from collections.abc import Sequence
@@ -50,17 +45,17 @@ class Sheared:
         return float(1 / np.sqrt(self.along * self.across))
 
     def wave(self, exponent: Array, *, upward: bool = False) -> Array:
-        """State (k u, tau) of a wave of k u = 1 at its start, at `exponent` = g k distance from it; (2, ...)."""
+        """State (k u, tau) of a wave of k u = 1 at its start, at ``exponent`` = g k distance from it; (2, ...)."""
         size = np.exp(-exponent)
         return np.stack([size, (-size if upward else size) / self.compliance])
 
 
 @dataclass(frozen=True, eq=False)
 class ShearWaves:
-    """Shear waves of a stack, of tau = 1 at the surface."""
+    """Shear waves of a stack, with tau = 1 at the surface."""
 
     stack: Stack
-    k: Array
+    k: Array  # Wavenumbers; (k,)
 
     @cached_property
     def _bodies(self) -> list[Sheared]:
@@ -77,70 +72,62 @@ class ShearWaves:
         reflections = []
         for body, layer in zip(self._bodies[::-1], self.stack.layers[::-1], strict=True):
             reflection = (below - body.compliance) / (below + body.compliance)
-            trip = reflection * np.exp(-2 * body.rate * self.k * layer.thickness)
-            below = body.compliance * (1 + trip) / (1 - trip)
+            round_trip = reflection * np.exp(-2 * body.rate * self.k * layer.thickness)
+            below = body.compliance * (1 + round_trip) / (1 - round_trip)
             reflections.append(reflection)
         return reflections[::-1]
 
     def at(self, number: int, depth: Array, *, reflected: bool = False) -> Array:
-        """State (k u, tau) at depths (depth,) below the surface within a layer, or the base as the last; (2, k, depth).
-
-        ``reflected``: without the wave that the layer's half-space would carry.
-        """
+        """State (k u, tau) at depths within a layer, or the base as the last, (depth,); (2, k, depth)."""
+        # reflected: without the wave that a half-space of the layer would carry
         k, top, start = self.k, np.ones(self.k.size), 0.0
-        for place, (body, layer) in enumerate(zip(self._bodies, self.stack.layers, strict=True)):
-            reflection, once = self._reflections[place], np.exp(-body.rate * k * layer.thickness)
-            trip = reflection * once**2
-            down = top * body.compliance / (1 - trip)
-            if place == number:
+        for index, (body, layer) in enumerate(zip(self._bodies, self.stack.layers, strict=True)):
+            reflection, decay = self._reflections[index], np.exp(-body.rate * k * layer.thickness)
+            round_trip = reflection * decay**2
+            amplitude = top * body.compliance / (1 - round_trip)
+            if index == number:
                 zeta = depth - start
-                falls = body.wave(body.rate * k[:, None] * zeta)
-                rises = body.wave(body.rate * k[:, None] * (layer.thickness - zeta), upward=True)
-                downward = down * trip if reflected else down
-                return np.asarray(downward[:, None] * falls + (down * once * reflection)[:, None] * rises)
-            top = down * once * (1 - reflection) / body.compliance
+                down = body.wave(body.rate * k[:, None] * zeta)
+                up = body.wave(body.rate * k[:, None] * (layer.thickness - zeta), upward=True)
+                downward = amplitude * round_trip if reflected else amplitude
+                return np.asarray(downward[:, None] * down + (amplitude * decay * reflection)[:, None] * up)
+            top = amplitude * decay * (1 - reflection) / body.compliance
             start += layer.thickness
         if self._base is None:
             return np.full((2, k.size, depth.size), np.nan)
-        falls = self._base.wave(self._base.rate * k[:, None] * (depth - start))
-        return np.asarray((top * self._base.compliance)[:, None] * falls)
+        down = self._base.wave(self._base.rate * k[:, None] * (depth - start))
+        return np.asarray((top * self._base.compliance)[:, None] * down)
 
 
 #: Bessel functions J_0 to J_3.
 ORDERS = 4
 
 _ALONG = (
-    "stress_xy",
-    "electric_displacement_x",
-    "magnetic_induction_x",
-    "electric_field_x",
-    "magnetic_field_x",
-    "strain_xy",
-)
+    "stress_xy", "electric_displacement_x", "magnetic_induction_x", "electric_field_x", "magnetic_field_x", "strain_xy",
+)  # fmt: skip
 _TURNING = ("stress_xx", "stress_zz", "strain_xx")
 
 
 def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bool) -> Array:
-    """Rows that turn a wave's real form [k u; t], units of the body, into fields of ``LINEAR``; (order, field, 8), SI.
-
-    Potentials are times k.
-    """
+    """Rows from a wave's real form [k u; t] to fields, SI, potentials times k; (order, field, 8)."""
+    # Summed over directions, scalars take J_0, components along x J_1, stresses in the surface J_0 and J_2; the part
+    # of cos(angle) has one order more.
     half = medium.halfplane
     units = np.concatenate([scale, 1 / scale]) / np.concatenate([half.scale, 1 / half.scale])
     plane = field_rows(half) * units * TURN
     out = np.zeros((ORDERS, len(names), 8))
-    for place, name in enumerate(names):
+    for number, name in enumerate(names):
         if name in POTENTIALS:
             channel = 2 + tuple(POTENTIALS).index(name)
-            out[1 if sliding else 0, place, channel] = scale[channel]
+            out[1 if sliding else 0, number, channel] = scale[channel]
             continue
         row = plane[LINEAR.index(name)]
         if name in _ALONG:
             in_phase = (1j * row).real
             if sliding:
-                out[[0, 2], place] = -in_phase / 2, in_phase / 2
+                out[[0, 2], number] = -in_phase / 2, in_phase / 2
             else:
-                out[1, place] = in_phase
+                out[1, number] = in_phase
         elif name in _TURNING:
             stress_across = plane[LINEAR.index("stress_zz")] if name != "strain_xx" else np.zeros(8)
             stress_along = plane[LINEAR.index("stress_xx")] if name != "strain_xx" else row
@@ -148,24 +135,24 @@ def rows_of(medium: Medium, scale: Array, names: tuple[str, ...], *, sliding: bo
             if name == "stress_zz":
                 half_difference = -half_difference
             if sliding:
-                out[[1, 3], place] = mean + half_difference / 2, -half_difference / 2
+                out[[1, 3], number] = mean + half_difference / 2, -half_difference / 2
             else:
-                out[[0, 2], place] = mean, -half_difference
+                out[[0, 2], number] = mean, -half_difference
         else:
-            out[1 if sliding else 0, place] = row.real
+            out[1 if sliding else 0, number] = row.real
     return out
 
 
 def shear_rows(body: Sheared, names: tuple[str, ...]) -> Array:
-    """Rows that turn (k u, tau) of shear waves, tau = 1 per traction along x, into fields; (order, field, 2), SI."""
+    """Rows from (k u, tau) of shear waves, tau = 1 per traction along x, to fields, SI; (order, field, 2)."""
     out = np.zeros((ORDERS, len(names), 2))
     of_stretch = {"stress_xx": -body.along / 2, "stress_zz": body.along / 2, "strain_xx": -0.25}
     of_shear = {"stress_xy": 0.5, "strain_xy": 0.25 / body.across}
-    for place, name in enumerate(names):
+    for number, name in enumerate(names):
         if name in of_stretch:
-            out[[1, 3], place, 0] = of_stretch[name]
+            out[[1, 3], number, 0] = of_stretch[name]
         elif name in of_shear:
-            out[[0, 2], place, 1] = of_shear[name]
+            out[[0, 2], number, 1] = of_shear[name]
     return out
 
 
@@ -178,14 +165,13 @@ def parted(names: tuple[str, ...]) -> list[tuple[Indices, bool]]:
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Waves of some wavenumbers, with their shares of the integrals."""
+    """Waves of some wavenumbers, with their weights in the integrals."""
 
     stack: Stack  # Layers and base
     tractions: Tractions  # Of all columns
-    columns: Indices  # Those of one radius
-    # Over the unit of the body's lengths; (k,)
-    k: Array
-    shares: Array
+    columns: Indices  # Columns of one radius
+    k: Array  # Wavenumbers per unit of the body's lengths; (k,)
+    weights: Array  # (k,)
 
     @cached_property
     def _tops(self) -> tuple[Array, Array | None]:
@@ -202,14 +188,11 @@ class Block:
         *,
         reflected: bool,
     ) -> Array:
-        """Fields at depths within one body, the base the last; (column, field, depth, x).
-
-        x, depth: (x,) and (depth,), in the unit of the body's lengths; rows_of_parts: (n, field, 8) each, at rest and
-        of cos(angle).
-        """
+        """Fields at ``x`` and ``depth`` within one body, the base the last; (column, field, depth, x)."""
+        # x, depth: in the unit of the body's lengths; rows_of_parts: at rest and of cos(angle), (n, field, 8) each
         stack = self.stack
         out = np.zeros((len(self.columns), len(names), depth.size, x.size))
-        orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.shares[:, None]
+        orders = bessel_orders(self.k, x, 3 if self._tops[1] is None else ORDERS) * self.weights[:, None]
         parts = [(part, orders / self.k[:, None] if potentials else orders) for part, potentials in parted(names)]
         for sliding, (top, rows) in enumerate(zip(self._tops, rows_of_parts, strict=True)):
             if top is None:
@@ -219,25 +202,25 @@ class Block:
                 for n, J in enumerate(weighted):
                     _add(out, part, rows[n, part], states, J)
             if sliding and not np.isnan(stack.top.material.c12):
-                waved = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
-                pulled = np.einsum("skz,kc->kzsc", waved, -top[:, 0]) / stack.scale[0]
+                per_traction = ShearWaves(stack, self.k).at(number, depth, reflected=reflected)
+                shear_states = np.einsum("skz,kc->kzsc", per_traction, -top[:, 0]) / stack.scale[0]
                 material = stack.layers[number].material if number < len(stack.layers) else stack.base
                 assert isinstance(material, Material)
-                for n, J in enumerate(orders):
-                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[n], pulled, J)
+                for shear, J in zip(shear_rows(Sheared.of(material), names), orders, strict=True):
+                    _add(out, np.arange(len(names)), shear, shear_states, J)
         return out
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:
         """Real form [k u; t] at depths; (k, depth, 8, column)."""
         stack, k, t = self.stack, self.k, top[None].astype(np.complex128)
         start = 0.0
-        for place, layer in enumerate(self._layers):
+        for index, layer in enumerate(self._layers):
             amplitude = layer.amplitude @ t
-            if place == number:
+            if index == number:
                 state = layer_waves(layer, k, (depth - start)[None], amplitude, np.eye(8), reflected=reflected)
                 return _real(state)
             start += layer.thickness
-            t = below(layer, k, amplitude, stack.grounded[place])
+            t = below(layer, k, amplitude, stack.grounded[index])
         assert stack.base_medium is not None
         return _real(modal(stack.base_medium, k, (depth - start)[None], t, np.eye(8)))
 
@@ -246,13 +229,13 @@ class Block:
         return waves(self.stack, self.k)
 
 
-def _real(turned: ComplexArray) -> Array:
+def _real(states: ComplexArray) -> Array:
     """Real form of states with a leading axis of one."""
-    return np.asarray((turned[0] * np.conj(TURN)[:, None]).real)
+    return np.asarray((states[0] * np.conj(TURN)[:, None]).real)
 
 
 def _add(out: Array, fields: Indices, rows: Array, states: Array, J: Array) -> None:
-    """Add rows (field, s) of states (k, depth, s, column) times a Bessel function (k, x) to some fields."""
+    """Add rows (field, s) of states (k, depth, s, column), summed with J (k, x), to ``fields`` of ``out``."""
     present = np.flatnonzero(rows.any(1))
     if present.size:
         values = np.einsum("fs,kzsc->cfzk", rows[present], states, optimize=True)

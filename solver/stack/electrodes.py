@@ -1,10 +1,4 @@
-"""Electrodes within a stack: the charge that a contact brings to each (films, section 11).
-
-An electrode is a grounded interface, or a metal with both its faces. It takes up the jump of D_y, ``D_y(above) -
-D_y(below)``. In Fourier space this charge is a row of transfers times the tractions at the surface, solved from the top
-down as the fields inside. Its limit at k = 0, the charge of an electrode without end, follows in closed form from
-Y(k) = A + k C + ....
-"""
+"""Electrodes of a stack, and the transfers from tractions at the surface to the charge of each (films, section 11)."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,31 +18,29 @@ _FARTHEST = 2000.0  # distance over the width of the strip: bounded time
 
 
 class FarError(StackError):
-    """Patch that reaches farther than is resolved; the caller adds its size."""
+    """Patch beyond the resolved distance; the caller adds its size to the message."""
 
 
 def electrodes(stack: Stack) -> list[tuple[int, ...]]:
-    """Interfaces of every electrode, counted from that below the top layer; a metal joins those above and below it.
-
-    The surface counts as the interface -1; a metal below it is that electrode itself.
-    """
-    places: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded and not stack.conductors[0] else []
-    for number, held in enumerate(stack.grounded):
-        if 2 not in held:
+    """Interfaces of each electrode (-1: surface, 0: below the top layer); a metal joins those above and below it."""
+    # a metal on top is the electrode at the surface
+    interfaces: list[tuple[int, ...]] = [(_TOP,)] if stack.electroded and not stack.conductors[0] else []
+    for number, components in enumerate(stack.grounded):
+        if 2 not in components:
             continue
-        if places and stack.conductors[number] and places[-1][-1] == number - 1:
-            places[-1] = (*places[-1], number)
+        if interfaces and stack.conductors[number] and interfaces[-1][-1] == number - 1:
+            interfaces[-1] = (*interfaces[-1], number)
         else:
-            places.append((number,))
-    return places
+            interfaces.append((number,))
+    return interfaces
 
 
 @dataclass(frozen=True, eq=False)
 class Electrode:
-    """One electrode of a stack, by its charge per traction (i sigma_xy, sigma_yy, D_y, B_y) at the surface."""
+    """One electrode of a stack, and its charge per traction (i sigma_xy, sigma_yy, D_y, B_y) at the surface."""
 
     stack: Stack
-    number: int
+    number: int  # From the top, from 1 on
 
     def __post_init__(self) -> None:
         count = len(electrodes(self.stack))
@@ -63,34 +55,34 @@ class Electrode:
 
     @property
     def interfaces(self) -> tuple[int, ...]:
-        """Interfaces that it joins, from that below the top layer."""
+        """Interfaces of the electrode, as :func:`electrodes` counts them."""
         return electrodes(self.stack)[self.number - 1]
 
     @property
     def on_top(self) -> bool:
-        """Return whether it lies on the surface, where it is read as a whole only."""
+        """True if the electrode lies on the surface, where it has no patches."""
         return self.interfaces == (_TOP,)
 
     @property
     def width(self) -> float:
-        """Exponent of the slowest decay of transfers [m]: they fall like exp(-k width)."""
+        """Length of the slowest decay of transfers, exp(-k width) [m]."""
         above = range(self.interfaces[0] + 1)
         return float(sum(self.stack.layers[i].thickness * float(self.stack.media[i].slowest) for i in above))
 
     @property
     def between(self) -> list[range]:
-        """Layers from it to the next electrode above and below, as far as there is one; empty beside a metal."""
-        interfaces_of_all = electrodes(self.stack)
-        ends = [(_TOP - 1,), *interfaces_of_all, (len(self.stack.layers),)]
+        """Layers between the electrode and its neighbours above and below, if it has them."""
+        neighbours = electrodes(self.stack)
+        ends = [(_TOP - 1,), *neighbours, (len(self.stack.layers),)]
         above, interfaces, below = ends[self.number - 1 : self.number + 2]
-        sublayers = [range(above[-1] + 1, interfaces[0] + 1)] if self.number > 1 else []
-        return (
-            [*sublayers, range(interfaces[-1] + 1, below[0] + 1)] if self.number < len(interfaces_of_all) else sublayers
-        )
+        layers = [range(above[-1] + 1, interfaces[0] + 1)] if self.number > 1 else []
+        if self.number < len(neighbours):
+            layers.append(range(interfaces[-1] + 1, below[0] + 1))
+        return layers
 
     @property
     def capacitance(self) -> float:
-        """Capacitance to the next electrodes per area [F m-2], of plates whose layers thicken and do not widen."""
+        """Capacitance to the neighbours per area, of layers that may thicken but not widen [F m-2]."""
         scale, total = float(self.stack.scale[_PHI]), 0.0
         for layers in self.between:
             crossed = [(self.stack.layers[i].thickness, self.stack.media[i].system[_PHI, 4 + _PHI]) for i in layers]
@@ -98,7 +90,7 @@ class Electrode:
         return total
 
     def transfers(self, reach: float) -> tuple[Array, Array, Array]:
-        """Wavenumbers [1/m], weights (k,), and rows of charge and sigma_yy for distances up to `reach` [m]."""
+        """Wavenumbers [1/m] and weights (k,) for distances up to ``reach`` [m], and :meth:`rows` at these."""
         if self.on_top:
             raise StackError("patch_size: of the electrode on top; must be absent: a layer of metal on top has patches")
         if reach > _FARTHEST * self.width:
@@ -108,7 +100,7 @@ class Electrode:
         return k, weights, self.rows(k)
 
     def rows(self, k: Array) -> Array:
-        """Charge, and sigma_yy on the upper face, per traction at the surface; (k, 2, 4), in the units of the stack."""
+        """Charge, and sigma_yy on the upper face, per traction at the surface, units of the stack; (k, 2, 4)."""
         layers = waves(self.stack, k)
         t: ComplexArray = np.tile(np.eye(4) + 0j, (k.size, 1, 1))
         out, last = np.zeros((k.size, 2, 4)), len(self.stack.layers) - 1
@@ -131,34 +123,34 @@ class Electrode:
 
     @cached_property
     def whole(self) -> Array:
-        """Charge of the electrode without end per total (sigma_yy, D_y, B_y) at the surface; (3,)."""
+        """Charge of an unbounded electrode per total (sigma_yy, D_y, B_y) at the surface (films, F11.2); (3,)."""
         t, charge = np.eye(4)[:, 1:], np.zeros(3)
-        held = ((_PHI,) if self.stack.electroded else (), *self.stack.grounded)
-        for number, (A, C) in enumerate(_small(self.stack), _TOP):
-            above, t = t[2], _let_down(t, A, C, held[number + 1])
+        grounded = ((_PHI,) if self.stack.electroded else (), *self.stack.grounded)
+        for number, (A, C) in enumerate(_long_wave_terms(self.stack), _TOP):
+            above, t = t[2], _tractions_below(t, A, C, grounded[number + 1])
             if number in self.interfaces:
                 charge += above - t[2]
         return charge
 
     @property
     def stroke(self) -> float:
-        """Depth per volt of the whole electrode [m V-1]: reciprocal to its charge per force."""
+        """Depth per volt of the whole electrode, by reciprocity with its charge per force [m V-1]."""
         return -float(self.whole[0] * self.stack.scale[1] / self.stack.scale[2])
 
 
 @cached
 def transfers(stack: Stack, number: int, octave: int) -> tuple[Array, Array, Array]:
-    """Transfers of an electrode for distances up to a power of two thicknesses, cached."""
+    """Return :meth:`Electrode.transfers` for distances up to 2^octave thicknesses of the top layer."""
     return Electrode(stack, number).transfers(2.0**octave * stack.top.thickness)
 
 
 def octave_of(reach: Array) -> Indices:
-    """Least power of two, from 1 on, of distances over the thickness of the top layer; as ``reach``."""
+    """Least exponent >= 0 of two that reaches distances over the top layer's thickness, of the shape of ``reach``."""
     return np.asarray(np.ceil(np.log2(np.maximum(reach, 1.0))), dtype=np.intp)
 
 
-def _small(stack: Stack) -> list[tuple[Array, Array]]:
-    """Terms A and C of Y = A + k C + ... at the surface and below each layer, before the interface's rules; (4, 4)."""
+def _long_wave_terms(stack: Stack) -> list[tuple[Array, Array]]:
+    """A and C (4, 4) of Y = A + k C + ... at the surface and below each layer, before the interface's conditions."""
     A = np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance
     C, terms = np.zeros((4, 4)), []
     for number in range(len(stack.layers) - 1, -1, -1):
@@ -186,18 +178,18 @@ def _held(A: Array, C: Array, components: tuple[int, ...]) -> tuple[Array, Array
     return A, C
 
 
-def _let_down(t: Array, A: Array, C: Array, components: tuple[int, ...]) -> Array:
-    """Tractions below an interface at k = 0, of those above (4, column); a rigid base gets no held component."""
+def _tractions_below(t: Array, A: Array, C: Array, components: tuple[int, ...]) -> Array:
+    """Tractions below an interface at k = 0 from those above (4, column); 0 for held components on a rigid base."""
     out = np.array(t)
     free = [c for c in range(4) if c not in components]
     out[list(components)] = 0.0
-    finite = [c for c in components if A[c, c] != 0]
-    small = [c for c in components if A[c, c] == 0 and C[c, c] != 0]
-    if finite:
-        out[finite] = -np.linalg.solve(A[np.ix_(finite, finite)], A[np.ix_(finite, free)] @ t[free])
-    if small:
-        others = [*free, *finite]
-        out[small] = -np.linalg.solve(C[np.ix_(small, small)], C[np.ix_(small, others)] @ out[others])
+    by_A = [c for c in components if A[c, c] != 0]
+    by_C = [c for c in components if A[c, c] == 0 and C[c, c] != 0]
+    if by_A:
+        out[by_A] = -np.linalg.solve(A[np.ix_(by_A, by_A)], A[np.ix_(by_A, free)] @ t[free])
+    if by_C:
+        known = [*free, *by_A]
+        out[by_C] = -np.linalg.solve(C[np.ix_(by_C, by_C)], C[np.ix_(by_C, known)] @ out[known])
     return out
 
 
@@ -207,20 +199,20 @@ DISC, STRIP = (CHOICES["patch"].index(name) for name in ("disc", "strip"))
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """Electrode that each case reads, and patches of it at zero volts; (case,) each."""
+    """Electrode that each case reads, and its patches at zero volts; (case,) each."""
 
     collector: Array  # Number of the electrode, 1 for the uppermost
-    shape: Array  # Of its patches: place in ``solver.names.CHOICES["patch"]``
-    position: Array  # Of the patch's middle from that of the contact [m]
+    shape: Array  # Index of the patches' shape in ``solver.names.CHOICES["patch"]``
+    position: Array  # Distance of the patch's middle from that of the contact [m]
     size: Array | None = None  # Diameter of a disc, width of a strip across x [m]; None: no patches
     pitch: Array | None = None  # Distance of neighbours [m]; None: no neighbours
 
-    def part(self, places: Indices) -> "Reading":
-        """Some of the cases."""
-        return selected(self, places, *vars(self))
+    def part(self, cases: Indices) -> "Reading":
+        """Return the reading of the selected cases."""
+        return selected(self, cases, *vars(self))
 
     def over(self, length: Array) -> "Reading":
-        """Return the reading with its lengths over `length` [m], (case,)."""
+        """Return the reading with its lengths divided by ``length`` (case,) [m]."""
         size, pitch = (None if values is None else values / length for values in (self.size, self.pitch))
         return replace(self, position=self.position / length, size=size, pitch=pitch)
 

@@ -1,4 +1,4 @@
-"""Layers on a base: materials, thicknesses and what the interfaces do to the electric and the magnetic field."""
+"""Layers on a base: materials, thicknesses, and the electric and magnetic conditions of the interfaces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -15,7 +15,7 @@ from solver.units import in_si
 
 RIGID: Literal["rigid"] = "rigid"
 
-#: What an interface may be to each field: at zero potential, transparent, or without normal induction.
+#: Conditions of an interface for each field: at zero potential, transparent, or without normal induction.
 CONDITIONS: dict[str, tuple[str, ...]] = {
     "electric": ("grounded", "bonded"),
     "magnetic": ("grounded", "bonded", "insulated"),
@@ -156,7 +156,7 @@ class Stack:
 
     @property
     def name(self) -> str:
-        """Materials and thicknesses in words."""
+        """Materials and thicknesses in words, as ``"PZT-4 0.0002 m | rigid"``."""
         base = self.base if isinstance(self.base, str) else self.base.name
         return " | ".join([*(f"{layer.material.name} {layer.thickness:g} m" for layer in self.layers), base])
 
@@ -183,7 +183,7 @@ class Stack:
     @property
     def above_ground(self) -> float:
         """Thickness above the first grounded electrode, or of all layers, over that of the top layer."""
-        above = next((place for place, held in enumerate(self.grounded, 1) if 2 in held), len(self.layers))
+        above = next((count for count, components in enumerate(self.grounded, 1) if 2 in components), len(self.layers))
         return sum(layer.thickness for layer in self.layers[:above]) / self.top.thickness
 
     @property
@@ -193,11 +193,7 @@ class Stack:
 
     @cached_property
     def conductors(self) -> tuple[bool, ...]:
-        """True for each layer, and the base last, that is a conductor.
-
-        One potential fills it: away from k = 0 that of a conductor without end is zero at both its faces, whatever its
-        charge.
-        """
+        """True for each layer, and the base last, that is a conductor; its potential is zero at all k but 0."""
         return (*(bool(material.conductor) for material in self.materials), *([False] if self.rigid else []))
 
     @cached_property
@@ -205,13 +201,13 @@ class Stack:
         """Components (2: phi, 3: psi) held at zero by the interface below each layer."""
         last = len(self.layers) - 1
         metal = self.conductors
-        held = []
+        grounded = []
         for number, layer in enumerate(self.layers):
             electric = layer.electric or ("grounded" if number == last else "bonded")
             electric = "grounded" if metal[number] or metal[number + 1] else electric
             magnetic = layer.magnetic or ("grounded" if number == last and self.rigid else "bonded")
-            held.append(tuple(c for c, kind in ((2, electric), (3, magnetic)) if kind == "grounded"))
-        return tuple(held)
+            grounded.append(tuple(c for c, kind in ((2, electric), (3, magnetic)) if kind == "grounded"))
+        return tuple(grounded)
 
     @cached_property
     def scale(self) -> Array:
@@ -225,18 +221,18 @@ class Stack:
 
     @cached_property
     def base_medium(self) -> Medium | None:
-        """The base's material in the units of the stack; none if it is rigid."""
+        """The base's material in the units of the stack, None if the base is rigid."""
         base = self.base
         if isinstance(base, str):
             return None
         if base.conductor and 3 in self.grounded[-1] and not (base.f31 or base.f33 or base.f15):
-            vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability has no part, not by a bit
+            vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability must not change any bit
             base = replace(base, mu11=vacuum, mu33=vacuum)
         return Medium(base, self.scale)
 
 
 def _metres(thickness: str) -> float:
-    """A thickness with its unit, in metres."""
+    """Return a thickness with its unit in metres."""
     try:
         return in_si(thickness, "m")
     except ValueError as error:
@@ -244,7 +240,7 @@ def _metres(thickness: str) -> float:
 
 
 def _base(name: str) -> Material:
-    """The material of a base by its name."""
+    """Return the material of a base by its name."""
     try:
         return find(name)
     except MaterialError as error:
@@ -252,6 +248,7 @@ def _base(name: str) -> Material:
 
 
 def _require_single(material: object, name: str) -> None:
+    """Refuse what is not an admissible material without case axes."""
     if not isinstance(material, Material):
         raise StackError(f"{name}: {material!r} is not a Material")
     if material.shape:

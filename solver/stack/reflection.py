@@ -1,14 +1,4 @@
-"""Surface response of a stack at every wavenumber: recursion from the base up (films, section 2).
-
-Under each layer the body below answers ``k u = Y_below t``; the layer's own upward wave is ``Gamma`` times what its
-downward wave leaves at the bottom. With ``E = exp(-G k h)`` and ``F = (S E S) Gamma E``,
-
-    Gamma = (S Y0 S + Y_below)^-1 (Y0 - Y_below),    Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1.
-
-Only decaying exponentials occur, and the difference to the layer's own half-plane has full relative accuracy. Above an
-insulated base ``Y_psi,psi ~ c_B / k``: there ``I + F`` is singular as k goes to 0 and loses 1/(kH) of its digits. Long
-waves take the layers by the exponential of their system instead, in which nothing cancels.
-"""
+"""Response and waves of a stack's layers at every wavenumber, by recursion from the base up (films, section 2)."""
 
 from dataclasses import dataclass
 
@@ -18,30 +8,30 @@ from solver.arrays import Array, ComplexArray
 from solver.stack.fourier import FLIP, MIRROR, Medium
 from solver.stack.layers import Stack
 
-_LONG = 0.1  # kH below which waves above an insulated base are long
-_DEGREE = 24  # of the Taylor polynomial of a layer's transfer at kH = 0.1, whatever its roots
+# kH below which I + F above an insulated base, singular at k = 0, loses digits, so that _transfer takes its place
+_LONG = 0.1
+_DEGREE = 24  # of the Taylor polynomial of a layer's transfer at kH = 0.1, for any roots
 
 
 @dataclass(frozen=True, eq=False)
 class LayerWaves:
     """Waves of one layer at wavenumbers (k,)."""
 
-    # The layer
     medium: Medium
     thickness: float
-    below: Array  # Y of the body below, before the interface's rules; (k, 4, 4)
+    below: Array  # Y of the body below, before the interface's conditions; (k, 4, 4)
     reflection: Array  # Gamma; (k, 4, 4)
     round_trip: Array  # F; (k, 4, 4)
     difference: Array  # Y_top - Y0, with full relative accuracy; (k, 4, 4), symmetric
 
     @property
     def amplitude(self) -> Array:
-        """(I + F)^-1: the downward wave at the top, per traction there; (k, 4, 4)."""
+        """Downward wave at the top per traction there, (I + F)^-1; (k, 4, 4)."""
         return np.asarray(np.linalg.inv(np.eye(4) + self.round_trip), dtype=np.float64)
 
 
 def waves(stack: Stack, k: Array) -> list[LayerWaves]:
-    """Waves of every layer, the top one first, at wavenumbers k > 0 (k,) [1/m]."""
+    """Return the waves of every layer, the top one first, at wavenumbers k > 0 (k,) [1/m]."""
     Y = np.zeros((k.size, 4, 4))
     if stack.base_medium is not None:
         Y += stack.base_medium.compliance
@@ -49,7 +39,7 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
     long = (k * stack.thickness < _LONG) & stack.insulated
     for number in range(len(stack.layers) - 1, -1, -1):
         medium, thickness = stack.media[number], stack.layers[number].thickness
-        before, Y = Y, held(Y, stack.grounded[number])
+        Y_below, Y = Y, held(Y, stack.grounded[number])
         compliance = medium.compliance
         A, B = FLIP * compliance + Y, compliance - Y
         if stack.insulated and number == len(stack.layers) - 1:
@@ -57,30 +47,28 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
         reflection: Array = np.asarray(np.linalg.solve(A, B), dtype=np.float64)
         E = medium.falling(k * thickness)
         round_trip = (FLIP * E) @ reflection @ E
-        added = _difference(compliance, round_trip)
+        difference = _difference(compliance, round_trip)
         if np.any(long):
             lowest = number == len(stack.layers) - 1
-            through = _transfer(medium, k[long] * thickness)
-            added[long] = (_above_insulated(through) if lowest else _above(through, Y[long])) - compliance
-        layers.append(LayerWaves(medium, thickness, before, reflection, round_trip, added))
-        Y = compliance + added
+            transfer = _transfer(medium, k[long] * thickness)
+            difference[long] = (_above_insulated(transfer) if lowest else _above(transfer, Y[long])) - compliance
+        layers.append(LayerWaves(medium, thickness, Y_below, reflection, round_trip, difference))
+        Y = compliance + difference
     return layers[::-1]
 
 
 def _difference(compliance: Array, round_trip: Array) -> Array:
     """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
     transposed = np.swapaxes(round_trip, -1, -2)
-    answer = np.swapaxes(np.linalg.solve(np.eye(4) + transposed, transposed), -1, -2)
-    Y = -(compliance + FLIP * compliance) @ answer
+    solution = np.swapaxes(np.linalg.solve(np.eye(4) + transposed, transposed), -1, -2)
+    Y = -(compliance + FLIP * compliance) @ solution
     return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 
 def _transfer(medium: Medium, s: Array) -> Array:
-    """(k u, t) at the top of a layer from those at its bottom, every entry to full accuracy, s = k h; (k, 8, 8)."""
-    units_ratio = (
-        medium.halfplane.scale / medium.scale
-    )  # in units of its own, entries of the system are of the order of one
-    units = np.concatenate([units_ratio, 1 / units_ratio])
+    """Matrix from (k u, t) at a layer's bottom to its top at s = k h (k,), each entry fully accurate; (k, 8, 8)."""
+    units = medium.halfplane.scale / medium.scale  # of the layer, in which the system's entries are of the order of one
+    units = np.concatenate([units, 1 / units])
     system = medium.system / units[:, None] * units
     part: Array = np.eye(8) + np.zeros((s.size, 1, 1))
     for degree in range(_DEGREE, 0, -1):
@@ -88,26 +76,26 @@ def _transfer(medium: Medium, s: Array) -> Array:
     return np.asarray(part * units[:, None] / units)
 
 
-def _above_insulated(through: Array) -> Array:
+def _above_insulated(transfer: Array) -> Array:
     """Y on top of a layer with u = 0, phi = 0 and B_y = 0 below; (k, 4, 4)."""
-    free = through[..., [4, 5, 6, 3]]  # by t_x, t_y, D_y and k psi at the bottom
+    free = transfer[..., [4, 5, 6, 3]]  # from t_x, t_y, D_y and k psi at the bottom
     return _quotient(free[:, :4], free[:, 4:])
 
 
-def _above(through: Array, Y: Array) -> Array:
+def _above(transfer: Array, Y: Array) -> Array:
     """Y on top of a layer on a body of response Y; (k, 4, 4)."""
-    displaced, pulled = through[:, :4], through[:, 4:]
-    return _quotient(displaced[..., :4] @ Y + displaced[..., 4:], pulled[..., :4] @ Y + pulled[..., 4:])
+    displacement, traction = transfer[:, :4], transfer[:, 4:]
+    return _quotient(displacement[..., :4] @ Y + displacement[..., 4:], traction[..., :4] @ Y + traction[..., 4:])
 
 
 def _quotient(displacement: Array, traction: Array) -> Array:
-    """Y of k u = Y t from both by the same unknowns; (k, 4, 4), symmetric."""
+    """Symmetric Y of k u = Y t from both as functions of the same unknowns; (k, 4, 4)."""
     Y = np.swapaxes(np.linalg.solve(np.swapaxes(traction, -1, -2), np.swapaxes(displacement, -1, -2)), -1, -2)
     return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 
 def held(Y: Array, components: tuple[int, ...]) -> Array:
-    """Y of a body (..., 4, 4) below an interface that holds components of u at zero, for the others; (..., 4, 4)."""
+    """Y (..., 4, 4) of a body under an interface that holds components of u at zero (films, F2.1)."""
     for c in components:
         pivot = Y[..., c, c]
         share = Y[..., :, c] / np.where(pivot == 0, 1.0, pivot)[..., None]
@@ -117,7 +105,7 @@ def held(Y: Array, components: tuple[int, ...]) -> Array:
 
 
 def low(stack: Stack) -> Array:
-    """Y_low: finite part of Y at the smallest wavenumbers, the base under all rules of the interfaces; (4, 4)."""
+    """Y_low, the finite part of Y as k goes to 0 (films, F2.3); (4, 4)."""
     Y = np.zeros((4, 4)) if stack.base_medium is None else stack.base_medium.compliance
     for components in reversed(stack.grounded):
         Y = held(Y, components)
@@ -125,30 +113,32 @@ def low(stack: Stack) -> Array:
 
 
 def sideways(stack: Stack) -> float:
-    """c_B of Y_psi,psi ~ c_B / k: a stack insulated below passes its flux on sideways [1/m]; else 0."""
+    """c_B of Y_psi,psi ~ c_B / k on an insulated base, where flux leaves sideways (films, F2.4) [1/m]; else 0."""
     if not stack.insulated:
         return 0.0
-    carried = 0.0
+    permeance = 0.0
     for number in range(len(stack.layers) - 1, -1, -1):
         if 3 in stack.grounded[number]:
-            carried = np.inf
+            permeance = np.inf
         m = stack.layers[number].material
-        carried += stack.layers[number].thickness * float(m.mu11 + m.f15**2 / m.c44)
-    return -1 / carried / float(stack.scale[3]) ** 2
+        permeance += stack.layers[number].thickness * float(m.mu11 + m.f15**2 / m.c44)
+    return -1 / permeance / float(stack.scale[3]) ** 2
 
 
-#: From the real form, whose x-components are times i, to [u,x; t].
+#: Factors from [k u; t] of the real form, whose x-components are multiplied by i, to [u,x; t].
 TURN: ComplexArray = np.array([1, 1j, 1j, 1j, -1j, 1, 1, 1])
 
 
 def modal(
-    medium: Medium, k: Array, depth: Array, t: ComplexArray, rows: Array, *, upward: bool = False
+    medium: Medium,
+    k: Array,  # Wavenumbers [1/m]; (k,)
+    depth: Array,  # From where the wave starts [m]; (member, y)
+    t: ComplexArray,  # Tractions where the wave starts; (member, k, 4, column)
+    rows: Array,  # (row, 8)
+    *,
+    upward: bool = False,
 ) -> ComplexArray:
-    """Rows of [u,x; t] of a wave at depths; (member, k, y, row, column).
-
-    k: (k,), wavenumbers [1/m]; depth: (member, y), below where the wave starts [m]; t: (member, k, 4, column), with
-    which it starts; rows: (row, 8).
-    """
+    """Rows of [u,x; t] of a wave at depths; (member, k, y, row, column)."""
     rates, parts = medium.modes
     states = np.concatenate([medium.compliance, np.eye(4)]) @ parts
     if upward:
@@ -163,24 +153,23 @@ def modal(
 
 
 def layer_waves(
-    layer: LayerWaves, k: Array, depth: Array, amplitude: ComplexArray, rows: Array, *, reflected: bool
+    layer: LayerWaves,
+    k: Array,  # Wavenumbers [1/m]; (k,)
+    depth: Array,  # Below the layer's top [m]; (member, y)
+    amplitude: ComplexArray,  # Tractions of the downward wave at the top; (member, k, 4, column)
+    rows: Array,  # (row, 8)
+    *,
+    reflected: bool,  # Without the part of the layer's half-plane
 ) -> ComplexArray:
-    """Rows of [u,x; t] at depths within a layer; (member, k, y, row, column).
-
-    depth: (member, y), below the layer's top [m]; amplitude: (member, k, 4, column), traction of what enters at the
-    top.
-    """
+    """Rows of [u,x; t] at depths within a layer; (member, k, y, row, column)."""
     down = -layer.round_trip @ amplitude if reflected else amplitude  # (I + F)^-1 - I = -F (I + F)^-1
     up = layer.reflection @ layer.medium.falling(k * layer.thickness) @ amplitude
-    falls = modal(layer.medium, k, depth, down, rows)
-    return falls + modal(layer.medium, k, layer.thickness - depth, up, rows, upward=True)
+    downward = modal(layer.medium, k, depth, down, rows)
+    return downward + modal(layer.medium, k, layer.thickness - depth, up, rows, upward=True)
 
 
 def below(layer: LayerWaves, k: Array, amplitude: ComplexArray, grounded: tuple[int, ...]) -> ComplexArray:
-    """Tractions on the top of what lies below a layer; an electrode carries the flux that it does not pass on.
-
-    k: (k,), wavenumbers [1/m]; amplitude: (member, k, 4, column), traction of what enters at the top.
-    """
+    """Tractions under the interface below a layer, from its downward wave at the top; (member, k, 4, column) each."""
     down = layer.medium.falling(k * layer.thickness) @ amplitude
     t: ComplexArray = down + layer.reflection @ down
     free = [i for i in range(4) if i not in grounded]

@@ -1,1 +1,1 @@
-"""Inputs, query points and complete factorials: what every surrogate is made from and asked at."""
+"""Inputs, query points and complete factorials."""

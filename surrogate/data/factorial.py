@@ -1,4 +1,4 @@
-"""A complete factorial data set, checked: sorted levels of every factor and one full array per output."""
+"""Complete factorial data sets, checked: sorted levels of every factor and one full array per output."""
 
 import warnings
 from collections.abc import Mapping, Sequence
@@ -11,26 +11,25 @@ from approximation.arrays import Array, Indices
 from approximation.chebyshev import gauss_points
 from surrogate.data.inputs import Input, Scale
 
-MOST_OF_A_FACTOR = 1000  # of a factor: its kernel's matrix is decomposed
-LEVEL_TOLERANCE = 1e-10  # share of the half-range that a level may lie from its Chebyshev-Gauss position
-_ROUNDED = 1e-6  # share of a level: seven digits are off by half of it, single precision by less
+MOST_OF_A_FACTOR = 1000  # levels of a factor, since its kernel matrix is decomposed
+LEVEL_TOLERANCE = 1e-10  # distance of a level from its Chebyshev-Gauss position, as a share of the half-range
+_ROUNDED = 1e-6  # relative rounding of a level: seven digits are off by half of it, single precision by less
 
 
 @dataclass(frozen=True)
 class Factorial:
     """Outputs over the full product of the factors' levels."""
 
-    inputs: tuple[Input, ...]  # One per factor, in the order of the arrays' axes
-    levels: tuple[Array, ...]  # Ascending levels of every factor, physical units
-    # Read-only views of shape (n_1, ..., n_d), broadcast along the factors that an output does not depend on
-    outputs: dict[str, Array]
+    inputs: tuple[Input, ...]  # one per factor, in the order of the arrays' axes
+    levels: tuple[Array, ...]  # ascending levels of every factor, physical units
+    outputs: dict[str, Array]  # read-only views (n_1, ..., n_d), broadcast along factors that an output lacks
     attrs: dict[str, dict[str, str]]  # `units` and `long_name` of every output
 
 
 def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outputs: Sequence[str] | None) -> Factorial:
-    """Check that a data set is a complete factorial and take it apart."""
+    """Return a data set as a factorial; ValueError names what makes it none."""
     names = output_names(dataset, outputs, exclude=())
-    variables = {name: dataset.variables[name] for name in names}  # a look-up of `dataset[name]` visits all others
+    variables = {name: dataset.variables[name] for name in names}  # `dataset[name]` would visit all other variables
     factors = [input_.name for input_ in inputs] if inputs is not None else _factors(dataset, names)
     for name, variable in variables.items():
         unknown = [str(dim) for dim in variable.dims if dim not in factors]
@@ -56,7 +55,7 @@ def complete_factorial(dataset: xr.Dataset, inputs: Sequence[Input] | None, outp
 
 
 def output_names(dataset: xr.Dataset, outputs: Sequence[str] | None, exclude: Sequence[str]) -> list[str]:
-    """Return the names of the outputs to model."""
+    """Return the names of the outputs to model; ValueError for one that is missing or holds no numbers."""
     names = [str(name) for name in dataset.data_vars if name not in exclude] if outputs is None else list(outputs)
     if not names:
         raise ValueError("the data set has no variable to model")
@@ -107,7 +106,7 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array) -> Input:
             return inferred
         for digits in range(1, 18):  # a range of few digits, whose levels are rounded
             both = (inferred.low, inferred.high)
-            largest = max(map(abs, both))  # of a linear range: a low end that is 0 has no digits
+            largest = max(map(abs, both))  # counts the digits on a linear scale, as a low end of 0 has none
             low, high = (_short(end, end if scale == "log" else largest, digits) for end in both)
             if low < high and (scale == "linear" or low > 0):
                 shorter = Input(factor, low, high, scale, **attrs)
@@ -119,12 +118,12 @@ def _inferred(dataset: xr.Dataset, factor: str, levels: Array) -> Input:
 
 
 def _short(value: float, size: float, digits: int) -> float:
-    """The value rounded to a number of digits of a size."""
+    """Return the value rounded to the place that the last of `digits` digits has in `size`."""
     return round(value, digits - 1 - int(np.floor(np.log10(size))))
 
 
 def _distance(input_: Input, levels: Array) -> Array:
-    """Distances of levels from the Chebyshev-Gauss levels of an input, as shares of its half-range; (n,)."""
+    """Return the distances of levels from an input's Chebyshev-Gauss levels, as shares of its half-range; (n,)."""
     return np.abs(input_.to_unit(levels) - gauss_points(len(levels)))
 
 
@@ -135,7 +134,7 @@ def _is_rounded(input_: Input, levels: Array) -> bool:
 
 
 def _exact(input_: Input, levels: Array) -> Array:
-    """The levels, or the Chebyshev-Gauss levels that they are rounded from, of which a warning tells."""
+    """Return the levels or, with a warning, the Chebyshev-Gauss levels from which they were rounded."""
     if _distance(input_, levels).max() <= LEVEL_TOLERANCE:
         return levels
     warnings.warn(
@@ -160,7 +159,7 @@ def follows_chebyshev(dataset: xr.Dataset, factors: Sequence[str], inputs: Seque
 
 
 def check_levels(inputs: Sequence[Input], levels: Sequence[Array]) -> None:
-    """Raise ValueError, naming input and level, unless ascending levels (n,) of every input, in its units, suit it."""
+    """Raise ValueError unless the ascending levels (n,) of every input, in its units, are Chebyshev-Gauss levels."""
     for input_, values in zip(inputs, levels, strict=True):
         if len(values) > MOST_OF_A_FACTOR:
             raise ValueError(f"input {input_.name!r} has {len(values)} levels; a factor has at most {MOST_OF_A_FACTOR}")

@@ -15,7 +15,7 @@ from approximation.chebyshev import gauss_points
 
 Scale = Literal["linear", "log", "logit"]
 SCALES: tuple[str, ...] = get_args(Scale)
-#: What of an input each variable of a file holds, in the order in which an input is made of them.
+#: Variables of a file and the fields of `Input` that they hold, in the order of the fields.
 COLUMNS = {
     "input": "name", "low": "low", "high": "high", "scale": "scale", "input_units": "units",
     "input_long_name": "long_name",
@@ -33,18 +33,17 @@ class Input:
     Parameters
     ----------
     name : str
-        Name of the input.
     low, high : float
         Ends of the range, in `units`; finite, low < high, low > 0 on a log scale, and high < 1 too on a logit one.
     scale : {"linear", "log", "logit"}
         Scale on which the range is mapped to [-1, 1]: the value, its logarithm, or log(value/(1 - value)).
     units, long_name : str
-        Carried into every labelled result.
+        Attributes of the input in every labelled result.
 
     Raises
     ------
     ValueError
-        A range or scale that is not as above; the message names the input and the value.
+        For another range or scale; names the input and the value.
 
     Examples
     --------
@@ -123,8 +122,8 @@ class Input:
 def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear") -> Array:
     """Return the Chebyshev-Gauss levels of a range, ascending.
 
-    The levels are the zeros of T_count mapped from [-1, 1] to [low, high], linearly in the value or in its
-    logarithm (L. N. Trefethen, Approximation Theory and Approximation Practice, 2013, chapter 2: "of the first kind").
+    The levels are the zeros of T_count mapped from [-1, 1] to [low, high] on the scale (L. N. Trefethen, Approximation
+    Theory and Approximation Practice, 2013, chapter 2: "of the first kind").
 
     Parameters
     ----------
@@ -133,7 +132,7 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
     count : int
         Number of levels, >= 1.
     scale : {"linear", "log", "logit"}
-        Scale of the factor; "log" needs low > 0, "logit" also high < 1.
+        "log" needs low > 0, "logit" also high < 1.
 
     Returns
     -------
@@ -143,7 +142,7 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
     Raises
     ------
     ValueError
-        A bad range, scale or count.
+        For a bad range, scale or count.
 
     Examples
     --------
@@ -154,7 +153,7 @@ def chebyshev_levels(low: float, high: float, count: int, scale: Scale = "linear
 
 
 def unit_coordinates(inputs: Sequence[Input], X: Array) -> Array:
-    """Map physical points X, (n, d), to scaled coordinates as `Input.to_unit`: (d, n), one contiguous row an input."""
+    """Map physical points X, (n, d), to scaled coordinates, (d, n), as `Input.to_unit`; each row is contiguous."""
     low, width, logs, logits = _scales(tuple(inputs))
     t = np.subtract(X.T, low, order="C")
     if logs.size:
@@ -174,7 +173,7 @@ def physical_points(inputs: Sequence[Input], t: Array) -> Array:
 
 @cache
 def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
-    """Low ends and widths on the inputs' own scales, (d, 1) each, and which inputs are on a log and a logit scale."""
+    """Return low ends and widths on the inputs' scales, (d, 1) each, and the numbers of log and of logit inputs."""
     low = np.array([[input_.low] for input_ in inputs]).reshape(-1, 1)
     width = [
         np.log(input_.high / input_.low) if input_.scale == "log"

@@ -1,6 +1,6 @@
 """Long names of the variables in the surrogates' files, for readers who open them with another program."""
 
-#: Meanings. "Over its unit" makes a plain number of what has another unit for every input or output.
+#: Long name of every variable; "over its unit" marks values whose unit differs from input to input or output.
 MEANINGS = {
     "input": "name of an input",
     "other_input": "name of another input",
@@ -112,5 +112,5 @@ MEANINGS = {
     "total_high": "upper bound of the total Sobol' index, given the model's error",
 }
 
-#: How their contents were made.
+#: The attribute `source` of the files.
 SOURCE = "meecontact: Gaussian-process regression on exact cases"

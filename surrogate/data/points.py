@@ -1,4 +1,4 @@
-"""Query points by name: from scalars, arrays and labelled arrays to one array of points, and back."""
+"""Query points: named scalars, arrays, labelled arrays and tables as one array of points with its labels."""
 
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,54 +13,48 @@ from numpy.typing import ArrayLike, NDArray
 from approximation.arrays import Array, Flags, columns_of, unmasked
 from surrogate.data.inputs import Input, unit_coordinates
 
-# Room for rounding at the ends of the box, as a share of its width on the input's own scale.
-SLACK = 1e-12
-# Most points that crossed inputs may span: whoever gives more meant a list of points.
-MOST = 10**7
+SLACK = 1e-12  # room for rounding at the ends of the box, as a share of its width on the input's scale
+MOST = 10**7  # points that crossed inputs may span; a user with more meant a list of points
 #: Variable of held-out cases: 1 where they are spread evenly over the box, 0 where they are drawn towards its ends.
 EVEN = "evenly_drawn"
-
-
-#: The dimension of the rows of a table, as in the answers of the solver.
-CASE = "case"
+CASE = "case"  # dimension of the rows of a table, as in the answers of the solver
 
 
 @runtime_checkable
 class Table(Protocol):
-    """Named columns of one length, as those of a DataFrame."""
+    """Named columns of one length, such as a DataFrame."""
 
     columns: Any
 
     def __getitem__(self, name: Any, /) -> Any: ...
 
 
-# A query: named inputs, a table with a column an input, a list of mappings, or plain points in the order of the inputs.
+# Named inputs, a table with one column per input, a list of mappings, or plain points in the order of the inputs.
 Queries: TypeAlias = Mapping[Any, Any] | xr.Dataset | Table | Sequence[Mapping[str, Any]] | ArrayLike
 
 
 class OutOfBoxError(ValueError):
-    """A query point lies outside the box that the model was trained on."""
+    """A query point lies outside the box on which the model was trained."""
 
 
 @dataclass(frozen=True)
 class Points:
-    """Query points as an array, with what is needed to label the answers."""
+    """Query points as an array, with the labels of the answers."""
 
-    X: Array  # shape (n, d); Points in physical units, columns in the order of the model's inputs
-    dims: tuple[Hashable, ...]  # Dimensions of the broadcast of all inputs
-    shape: tuple[int, ...]  # Its shape; the product is n
-    # Every input with its units over the dimensions that it was given on, and labels that these brought along
-    coords: Mapping[Hashable, xr.Variable]
+    X: Array  # shape (n, d); physical units, columns in the order of the model's inputs
+    dims: tuple[Hashable, ...]  # dimensions of the broadcast inputs
+    shape: tuple[int, ...]  # sizes of `dims`, whose product is n
+    coords: Mapping[Hashable, xr.Variable]  # every input, and the labels of its dimensions
 
     def stacked(self, dataset: xr.Dataset, names: Sequence[str]) -> Array:
-        """Broadcast variables of a data set to the points: (len(names), n)."""
+        """Return variables of a data set broadcast to the points, (len(names), n)."""
         like = xr.DataArray(np.zeros(self.shape), self.coords, self.dims)
         columns = (dataset[name].broadcast_like(like).transpose(*self.dims) for name in names)
         return np.stack([np.asarray(column.values, dtype=np.float64).ravel() for column in columns])
 
 
 def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
-    """Broadcast named inputs against each other."""
+    """Return query points with their inputs broadcast against each other; ValueError names what does not fit."""
     names = [input_.name for input_ in inputs]
     if not isinstance(points, (Mapping, xr.Dataset)):
         points = _by_name(points, names)
@@ -105,12 +99,12 @@ def named_points(points: Queries, inputs: Sequence[Input]) -> Points:
 
 def outside(X: Array, inputs: Sequence[Input]) -> Flags:
     """Mark the entries of physical points X, (n, d), that lie outside the box, (n, d); NaN counts as outside."""
-    with np.errstate(divide="ignore", invalid="ignore"):  # logarithms of what no logarithmic scale has
+    with np.errstate(divide="ignore", invalid="ignore"):  # logarithms of numbers <= 0
         return np.asarray(~(np.abs(unit_coordinates(inputs, X)) <= 1 + 2 * SLACK).T)
 
 
 def require_inside(X: Array, inputs: Sequence[Input]) -> None:
-    """Raise OutOfBoxError, with input, value and allowed range, unless physical points X, (n, d), lie in the box."""
+    """Raise OutOfBoxError with input, value and range unless physical points X, (n, d), lie in the box."""
     wrong = outside(X, inputs)
     if wrong.any():
         row, column = np.argwhere(wrong)[0]
@@ -122,7 +116,7 @@ def require_inside(X: Array, inputs: Sequence[Input]) -> None:
 
 
 def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
-    """Return the columns of a table, over the labels of its rows, or of plain points."""
+    """Return the columns of a table, over the labels of its rows, or of plain points, by the inputs' names."""
     if isinstance(points, Sequence) and len(points) and all(isinstance(row, Mapping) for row in points):
         import pandas as pd  # slow to import
 
@@ -142,13 +136,13 @@ def _by_name(points: Any, names: Sequence[str]) -> dict[Any, Any]:
 
 
 def _columns(columns: Mapping[Any, Any], labels: Any) -> dict[Any, Any]:
-    """Columns of a table over the labels of its rows; several levels of them are left out."""
+    """Return the columns of a table over the labels of its rows, without labels of several levels."""
     coords = {} if labels is None or labels.nlevels > 1 else {CASE: np.asarray(labels)}
     return {name: xr.DataArray(_numbers(column), coords, CASE) for name, column in columns.items()}
 
 
 def _one_point(points: Mapping[Any, Any] | xr.Dataset, names: Sequence[str]) -> Array | None:
-    """The point, (d,), where every entry is a plain number, which needs no broadcasting; None otherwise."""
+    """Return the point, (d,), if every entry is a plain number, which needs no broadcasting; None otherwise."""
     if not all(type(points[name]) in (float, int, np.float64) for name in names):
         return None
     values = np.array([points[name] for name in names])  # of objects where a whole number is too large

@@ -1,4 +1,4 @@
-"""Answers by name, with intervals: the face that all surrogates share, fitted, judged and calibrated on cases."""
+"""Base class of all surrogates: labelled answers with intervals, and their calibration."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping, Sequence
@@ -20,37 +20,32 @@ from surrogate.intervals.copula import ends
 from surrogate.intervals.distribution import NOMINAL, Distribution, Normal
 from surrogate.intervals.guard import sharing
 
-# Queries are answered in blocks of this size, so that intermediate arrays stay in cache and memory stays bounded.
-BLOCK = 2048
-# Standard deviations below are zero: rounding that keeps logarithms finite, as of an output that is 0 everywhere.
+BLOCK = 2048  # queries that are answered at a time: intermediate arrays stay in cache
+# Smaller standard deviations count as zero: they come from bounds that keep logarithms finite.
 SMALLEST = float(np.finfo(np.float64).tiny ** 0.25)
-#: Outputs that a line names; of more it tells how many there are.
-NAMED = 12
+NAMED = 12  # most outputs that `print` names
 
 
 class GaussianProcess(ABC):
     """Base of the surrogates: several outputs over named inputs, each a distribution at every point.
 
-    Subclasses fit on a data set and answer at B points in scaled coordinates, (d, B): they implement the abstract
-    methods. This class checks, labels and scales. They are no estimators of scikit-learn, which take plain arrays:
-    `surrogate.FactorialRegressor` is one, over them.
+    Subclasses fit to a data set and implement the abstract methods, which answer at B points in scaled coordinates,
+    (d, B). This class checks, labels and scales. `surrogate.FactorialRegressor` is an estimator of scikit-learn.
 
     Attributes
     ----------
     inputs_ : tuple of Input
-        Inputs of the fitted model.
     outputs_ : tuple of str
-        Names of its outputs.
     attrs_ : dict
         `units` and `long_name` of every output.
     calibration_ : Calibration or None
         Result of `calibrate`; None before.
     level_ : float
-        Level of its intervals where none is given.
+        Default level of intervals.
     cases_ : int
-        Number of cases that it was trained on.
+        Number of training cases.
     made_from_ : str
-        A word of the caller's that tells what the model was made from, kept in its file; empty by default.
+        The caller's note of the model's origin, stored in its file; empty by default.
 
     Examples
     --------
@@ -68,7 +63,7 @@ class GaussianProcess(ABC):
     >>> model.predict_array(np.array([[0.2, 1.5]])).shape, model.gradient_array(np.array([[0.2, 1.5]])).shape
     ((1, 2), (1, 2, 2))
 
-    Held-out cases make means and intervals right:
+    Held-out cases correct means and calibrate intervals:
 
     >>> rng = np.random.default_rng(0)
     >>> cases = xr.Dataset({"x": ("case", rng.uniform(0, 1, 300)), "y": ("case", rng.uniform(1, 2, 300))})
@@ -100,8 +95,8 @@ class GaussianProcess(ABC):
     made_from_: str = ""
     calibration_: Calibration | None
     level_: float = NOMINAL
-    # answers at one point by their parts, and the `attrs_` in them: to check the names, shapes and coordinates of an
-    # answer costs more than the answer, so that the first one of each kind is copied
+    # The `attrs_`, and the first answer at one point of each kind, which is copied for later ones: to check the names,
+    # shapes and coordinates of an answer costs more than the answer.
     _forms: tuple[dict[str, dict[str, str]], dict[Hashable, xr.Dataset]] | None = None
 
     def fit(self, X: xr.Dataset) -> Self:
@@ -111,11 +106,11 @@ class GaussianProcess(ABC):
     @property
     @abstractmethod
     def parts(self) -> int:
-        """Number of parts that the variance is the sum of."""
+        """Number of parts whose sum is the variance."""
 
     @abstractmethod
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
-        """Return means and variances, (p, B) each; these are zero without weights of their parts, (parts, p)."""
+        """Return means and variances, (p, B) each; variances are zero without `weights`, (parts, p), of their parts."""
 
     @abstractmethod
     def slopes(self, t: Array) -> Array:
@@ -123,11 +118,11 @@ class GaussianProcess(ABC):
 
     @abstractmethod
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the variances of these derivatives, (d, p, B), with weights of their parts, (parts, p)."""
+        """Return the variances of the derivatives, (d, p, B), with weights of their parts, (parts, p)."""
 
     @abstractmethod
     def state(self) -> xr.Dataset:
-        """Return what a file must hold beside inputs, outputs, probes and calibration."""
+        """Return the contents of the model's file besides inputs, outputs, probes and calibration."""
 
     @classmethod
     @abstractmethod
@@ -135,28 +130,27 @@ class GaussianProcess(ABC):
         """Return the model of a `state`, with the `attrs_` of its outputs; ValueError names what is inconsistent."""
 
     def only(self, outputs: Sequence[str]) -> Self:
-        """Return a model that gives these outputs, and as few others as it can, for less."""
+        """Return a cheaper model with these outputs and as few others as possible."""
         return self
 
     def thinned(self, errors: Mapping[str, float]) -> Self:
-        """Return a cheaper model, with these root-mean-square errors over the cases of some outputs, in their units."""
+        """Return a cheaper model; `errors` are allowed root-mean-square errors of outputs over the cases."""
         return self
 
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
-        """Learn to correct the means from held-out cases; return what is left of the error of each case, left out.
+        """Learn to correct the means from held-out cases; return the errors left of each case, left out, (p, n).
 
-        The data set holds the cases, and may hold more than the outputs; errors, (p, n), are true minus predicted ones
-        at scaled coordinates t, (d, n). Cases of one group, (n,), share some coordinates.
+        errors: (p, n), true minus predicted at t, (d, n); groups: (n,), of cases that share coordinates.
         """
         return errors
 
     @property
     def members(self) -> Mapping[str, "GaussianProcess"]:
-        """Models that it is made of, by the names of `MEMBERS`: a file holds them too."""
+        """The models that this one wraps, by the names of `MEMBERS`; they are stored in its file."""
         return {}
 
     def over(self, members: Mapping[str, "GaussianProcess"]) -> Self:
-        """Return the same over other models than those that it is made of; ValueError unless they fit."""
+        """Return a copy that wraps other members; ValueError unless they fit."""
         return self
 
     @property
@@ -185,7 +179,7 @@ class GaussianProcess(ABC):
         return f"<p><b>{kind}</b>: {escape(outputs)}; intervals {intervals}</p>{table}"
 
     def _in_words(self) -> tuple[str, str, str]:
-        """Kind with its counts, outputs with their units, and calibration."""
+        """Return the model's kind with its counts, its outputs with their units, and its calibration as texts."""
         units = {name: f" [{self.attrs_[name]['units']}]" for name in self.outputs_ if self.attrs_[name].get("units")}
         outputs = ", ".join(f"{name}{units.get(name, '')}" for name in self.outputs_[:NAMED])
         unnamed = len(self.outputs_) - NAMED
@@ -212,10 +206,7 @@ class GaussianProcess(ABC):
         return float(r2_score(named.stacked(truth, self.outputs_).T, self.predict_array(named.X)))
 
     def cases(self, dataset: xr.Dataset) -> tuple[dict[str, xr.DataArray], xr.Dataset]:
-        """Take a data set of cases, factorial or scattered, apart into points and true outputs.
-
-        Raises ValueError for an input or output that it lacks.
-        """
+        """Return points and true outputs of a data set of cases; ValueError for a missing input or output."""
         self._require_fitted()
         for name in [input_.name for input_ in self.inputs_] + list(self.outputs_):
             if name not in dataset.variables:
@@ -223,18 +214,18 @@ class GaussianProcess(ABC):
         return {input_.name: dataset[input_.name] for input_ in self.inputs_}, dataset[list(self.outputs_)]
 
     def calibrate(self, dataset: xr.Dataset) -> Self:
-        """Make means and distributions right on held-out cases: marginally, and in slabs and corners of the box.
+        """Correct the means, and calibrate the distributions in all parts of the box, on held-out cases.
 
-        The means of a grid on Chebyshev-Gauss levels are corrected by what the cases tell of their error (module
-        `correction`); others stay as they are. The distributions are made to hold at every level (module `conformal`).
+        Only means of grids on Chebyshev-Gauss levels are corrected (module `correction`). The distributions hold at
+        every level (module `conformal`).
 
         Parameters
         ----------
         dataset : Dataset
             Held-out cases, inputs and true outputs over one dimension; 10,000 spread over the box are a good number,
             3,000 leave corners of two inputs about 5 % short, and 500 give the right marginal coverage. They must not
-            serve for validation as well. Where some are drawn towards the ends of the box, the variable
-            `evenly_drawn`, over the same dimension, is 1 for those that are spread evenly and 0 for these.
+            serve for validation as well. The optional variable `evenly_drawn` is 1 for cases that are spread evenly
+            and 0 for those that are drawn towards the ends of the box.
 
         Raises
         ------
@@ -244,7 +235,7 @@ class GaussianProcess(ABC):
         return self.calibrate_under(dataset, None)
 
     def calibrate_under(self, dataset: xr.Dataset, outer: Array | None) -> Self:
-        """Calibrate like `calibrate`; outer, (e, n): the scaled inputs of a model that wraps this one, at the cases."""
+        """Calibrate as `calibrate` does; outer, (e, n): scaled inputs, at the cases, of a model that wraps this one."""
         points, truth = self.cases(dataset)
         named = named_points(points, self.inputs_)
         require_inside(named.X, self.inputs_)
@@ -268,14 +259,14 @@ class GaussianProcess(ABC):
         return self
 
     def uncalibrated(self) -> Self:
-        """Return the model without what `calibrate` has learnt."""
+        """Return the model without the results of `calibrate`."""
         plain = copy(self)
         plain.calibration_ = None
         return plain
 
     @property
     def box(self) -> Mapping[str, Input]:
-        """The trained box: name -> Input, in order."""
+        """The trained box: inputs by name, in order."""
         self._require_fitted()
         return {input_.name: input_ for input_ in self.inputs_}
 
@@ -287,12 +278,11 @@ class GaussianProcess(ABC):
         points : mapping, Dataset, DataFrame or array
             One entry per input, in physical units: a scalar, a DataArray of any dimensions, or a plain sequence, which
             becomes a dimension named after its input; dimensions broadcast, so sequences span the full factorial. A
-            DataFrame with a column an input, a mapping of Series with one index, or a list of mappings is a table: its
-            rows lie along dimension `case`.
-            An array is (n, d) in the order of the inputs: points along dimension `point`.
+            DataFrame with one column per input, a mapping of Series with one index, or a list of mappings is a table
+            with rows along dimension `case`. An array is (n, d) in the order of the inputs: points along `point`.
         return_std : bool
-            Add `<output>_std`, the standard deviation: half of the central 68 % of the predictive distribution. The
-            95 % interval is not 1.96 of it to either side, since the distribution is not Gaussian: see `interval`.
+            Add `<output>_std`, half of the central 68 % of the predictive distribution, which is not Gaussian: see
+            `interval` for the 95 % interval.
         extrapolate : bool
             Answer outside the trained box too, and add the boolean variable `extrapolated`.
 
@@ -326,13 +316,13 @@ class GaussianProcess(ABC):
     def predict_array(
         self, X: NDArray[np.floating[Any]], return_std: bool = False, *, extrapolate: bool = False
     ) -> Array | tuple[Array, Array]:
-        """Predict at plain points: (n, p), or two of them with `return_std`.
+        """Return means or, with `return_std`, means and standard deviations at plain points, (n, p) each.
 
         Parameters
         ----------
         X : ndarray, shape (n, d), points in physical units
-        return_std : bool, whether the standard deviations are wanted too
-        extrapolate : bool, whether points may be outside of the box
+        return_std, extrapolate
+            As for `predict`.
 
         Raises
         ------
@@ -345,7 +335,7 @@ class GaussianProcess(ABC):
         return (mean.T, std.T) if return_std else mean.T
 
     def _plain(self, X: NDArray[np.floating[Any]]) -> Array:
-        """Plain points, (n, d), NaN where a cell is masked; ValueError for another shape."""
+        """Return plain points, (n, d), with NaN in masked cells; ValueError for another shape."""
         points = np.asarray(unmasked(X), dtype=np.float64)
         if points.ndim != 2 or points.shape[1] != len(self.inputs_):
             raise ValueError(f"points must have shape (n, {len(self.inputs_)}), got {points.shape}")
@@ -354,25 +344,22 @@ class GaussianProcess(ABC):
     def gradient(
         self, points: Queries, return_std: bool = False, *, level: float | None = None, extrapolate: bool = False
     ) -> xr.Dataset:
-        """Return d output/d input at points, analytically, in physical units.
-
-        Errors as for `predict` and `interval`.
+        """Return d output/d input at points, analytically, in physical units; errors as for `predict` and `interval`.
 
         Parameters
         ----------
-        points : mapping, Dataset, DataFrame or array, as of `predict`
-        return_std : bool, whether standard deviations and intervals of the derivatives are wanted
+        points, extrapolate
+            As for `predict`.
+        return_std : bool
+            Add standard deviations and intervals of the derivatives.
         level : float, probability of the intervals; None: `level_`
-        extrapolate : bool, whether points may be outside of the box
 
         Returns
         -------
         xarray.Dataset
             `<output>` over (`input`, the points' dimensions); the coordinates `input` and `input_units` name the inputs
-            and their units. With `return_std`, of the derivatives, `<output>_std`, the standard deviation, and
-            `<output>_lower` and `<output>_upper`, the ends of the interval. They rest on the process's own variance of
-            its derivatives, stretched as `calibrate` stretches that of its values, and on the distribution of the
-            values.
+            and their units. With `return_std` also `<output>_std`, `<output>_lower` and `<output>_upper` of the
+            derivatives, from the process's variance of its derivatives and the calibration of its values.
         """
         self._require_fitted()
         level = self.checked_level(level)
@@ -393,10 +380,7 @@ class GaussianProcess(ABC):
         return answer.assign_coords(coords)
 
     def gradient_array(self, X: NDArray[np.floating[Any]]) -> Array:
-        """Return the derivatives of the means at plain points, in physical units: X (n, d) -> (n, n_outputs, d).
-
-        Raises OutOfBoxError for a point outside the box.
-        """
+        """Return derivatives of the means at plain points, (n, d): (n, n_outputs, d); OutOfBoxError outside the box."""
         points = self._plain(X)
         require_inside(points, self.inputs_)
         return np.ascontiguousarray(self.physical_slopes(points, self.slopes).T)
@@ -412,7 +396,7 @@ class GaussianProcess(ABC):
             raise NotFittedError(f"this {type(self).__name__} is not fitted yet; call fit first")
 
     def _asked(self, points: Queries, with_std: bool, extrapolate: bool) -> tuple[Points, Array, Array]:
-        """Points by name, and means and, if wanted, standard deviations there, (p, n) each."""
+        """Return query points with their means and, if wanted, standard deviations, (p, n) each."""
         self._require_fitted()
         named = named_points(points, self.inputs_)
         return named, *self._answers(named.X, with_std, extrapolate)
@@ -425,9 +409,9 @@ class GaussianProcess(ABC):
         leading: tuple[str, ...] = (),
         units: str = "{}",
     ) -> xr.Dataset:
-        """Label the parts of an answer, (p, ..., n), known by how their names end and what they are of an output.
+        """Return the parts of an answer, (p, ..., n), as a data set; keys: ends of their names, formats of long names.
 
-        leading: dimensions before those of the points; units: those of the parts, of an output's.
+        leading: dimensions before those of the points; units: format of the parts' units, for those of an output.
         """
         values = {
             f"{name}{suffix}": rows.reshape((*rows.shape[:-1], *named.shape))
@@ -446,7 +430,7 @@ class GaussianProcess(ABC):
                     said = {} if meaning == "{}" else {"long_name": meaning.format(known.get("long_name", name))}
                     said |= {"units": units.format(known["units"])} if "units" in known else {}
                     attrs[f"{name}{suffix}"] = {**known, **said}
-            dims = (*leading, *named.dims)  # whether a point is extrapolated has no leading ones
+            dims = (*leading, *named.dims)  # `extrapolated` has no leading ones
             variables = {
                 name: xr.Variable(dims[len(dims) - array.ndim :], array, attrs[name]) for name, array in values.items()
             }
@@ -460,25 +444,23 @@ class GaussianProcess(ABC):
         return copied
 
     def _answers(self, X: Array, return_std: bool, extrapolate: bool) -> tuple[Array, Array]:
-        """Means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
+        """Return means and standard deviations at points (n, d), (p, n) each; OutOfBoxError unless `extrapolate`."""
         if not extrapolate:
             require_inside(X, self.inputs_)
         mean, std = self.all_mean_std(X, return_std)
         return mean, np.where(std < SMALLEST, 0.0, std)
 
     def interval(self, points: Queries, level: float | None = None, *, extrapolate: bool = False) -> xr.Dataset:
-        """Return the ends of the interval that holds the true value of an output in a share `level` of the cases.
+        """Return the ends of the central interval that contains the true output with probability `level`.
 
-        As many true values lie above it as below. Before `calibrate` it is the process's own interval, which may not
-        hold.
+        Before `calibrate` it is the process's own interval, which may be wrong.
 
         Parameters
         ----------
         points, extrapolate
             As for `predict`.
         level : float, optional
-            Share, 0 < level < 1, by default `level_`; n calibration cases tell levels up to 1 - 2/(n + 1), and up to
-            0.999.
+            0 < level < 1, by default `level_`; n calibration cases allow levels up to 1 - 2/(n + 1), at most 0.999.
 
         Returns
         -------
@@ -488,7 +470,7 @@ class GaussianProcess(ABC):
         Raises
         ------
         OutOfBoxError, ValueError
-            As for `predict`; a level that the calibration cases do not tell.
+            As for `predict`; a level beyond what the calibration cases allow.
 
         Examples
         --------
@@ -510,7 +492,7 @@ class GaussianProcess(ABC):
         return self._labelled(named, self._ends(level, mean, std, "{}"), extrapolate)
 
     def _ends(self, level: float, mean: Array, std: Array, what: str) -> dict[tuple[str, str], Array]:
-        """Ends of the interval of a level about means, (p, ..., n), by how their names end and what they are."""
+        """Return the ends of the interval about means (p, ..., n) for `_labelled`; what: format of the long names."""
         deviations = self.distribution.ends(level).reshape(2, -1, *[1] * (mean.ndim - 1))
         return {
             (f"_{end}", f"{end} end of the {100 * level:g} % interval of {what}"): mean + score * std
@@ -518,14 +500,14 @@ class GaussianProcess(ABC):
         }
 
     def quantile(self, points: Queries, q: float | Sequence[float], *, extrapolate: bool = False) -> xr.Dataset:
-        """Return the values that the true output stays below with probability q.
+        """Return the values that the true output does not exceed with probability q.
 
         Parameters
         ----------
         points, extrapolate
             As for `predict`.
         q : float or sequence of float
-            Probabilities, as far out as `interval` has levels.
+            Probabilities within the range of the levels of `interval`.
 
         Returns
         -------
@@ -535,7 +517,7 @@ class GaussianProcess(ABC):
         Raises
         ------
         OutOfBoxError, ValueError
-            As for `predict`; a probability that the calibration cases do not tell.
+            As for `predict`; a probability beyond what the calibration cases allow.
         """
         probabilities = np.atleast_1d(np.asarray(q, dtype=np.float64))
         if probabilities.ndim != 1:
@@ -560,19 +542,19 @@ class GaussianProcess(ABC):
         X : ndarray, shape (n, d)
             Plain points.
         weights : ndarray, shape (n, n_outputs)
-            Of every output at every point, with signs: the derivatives of what follows from the outputs.
+            Signed weights, such as the derivatives of a function of the outputs.
         level : float, optional
             As for `interval`.
 
         Returns
         -------
         ndarray, shape (2,)
-            By the joint distribution of errors (module `copula`); without a calibration, the sum of their ends.
+            From the joint distribution of errors (module `copula`); without a calibration, the sum of the ends.
 
         Raises
         ------
         OutOfBoxError, ValueError
-            As `predict_array`; a level that the calibration cases do not tell.
+            As for `predict_array` and `interval`.
         """
         _, std = self.predict_array(X, return_std=True)
         copula = None if self.calibration_ is None else self.calibration_.copula
@@ -587,13 +569,13 @@ class GaussianProcess(ABC):
         Parameters
         ----------
         X : ndarray, shape (n, d), points in physical units
-        level : float, probability of the interval; None: `level_`
-        extrapolate : bool, whether points may be outside of the box
+        level, extrapolate
+            As for `interval`.
 
         Raises
         ------
-        ValueError
-            The calibration cases do not tell this level; otherwise as `predict_array`.
+        OutOfBoxError, ValueError
+            As for `predict_array` and `interval`.
         """
         level = self.checked_level(level)
         mean, std = self.predict_array(X, return_std=True, extrapolate=extrapolate)
@@ -601,7 +583,7 @@ class GaussianProcess(ABC):
         return lower, upper
 
     def all_mean_std(self, X: Array, with_std: bool) -> tuple[Array, Array]:
-        """Return the same as `mean_std` at any number of points (n, d), block by block: (p, n) each."""
+        """Return `mean_std` at any number of points (n, d), block by block: (p, n) each."""
         mean = np.empty((len(self.outputs_), len(X)))
         std = np.empty_like(mean)
         for block in blocks(len(X), BLOCK):
@@ -619,7 +601,7 @@ class GaussianProcess(ABC):
         return in_blocks(t, lambda block: self.mean_variance(block, None)[0])
 
     def calibrated_at(self, X: Array) -> Array:
-        """Return the scaled coordinates that the calibration knows physical points (n, d) by: (e, n)."""
+        """Return the scaled coordinates, (e, n), of physical points (n, d) in which the calibration is expressed."""
         return unit_coordinates(self.inputs_, X)
 
     def variance(self, t: Array, weights: Array) -> Array:
@@ -627,10 +609,7 @@ class GaussianProcess(ABC):
         return self.mean_variance(t, weights)[1]
 
     def physical_slopes(self, X: Array, scaled: Callable[[Array], Array]) -> Array:
-        """Return derivatives by physical inputs at points (n, d), (d, p, n), of a function that gives scaled ones.
-
-        It takes scaled coordinates, (d, B), and gives the derivatives by them, (d, p, B).
-        """
+        """Return derivatives by physical inputs at X (n, d): (d, p, n); scaled: derivatives (d, p, B) at (d, B)."""
         slopes = np.empty((len(self.inputs_), len(self.outputs_), len(X)))
         for block in blocks(len(X), BLOCK):
             slopes[..., block] = scaled(unit_coordinates(self.inputs_, X[block]))
@@ -651,23 +630,23 @@ class GaussianProcess(ABC):
 
     @property
     def distribution(self) -> Distribution:
-        """Distribution of (truth - mean) / std: what the calibration cases say, a normal one without them."""
+        """Distribution of (truth - mean) / std: that of the calibration cases, or standard normal without any."""
         return Normal() if self.calibration_ is None else self.calibration_.distribution
 
     def checked_level(self, level: float | None) -> float:
-        """Return a level that the calibration cases tell, by default `level_`; ValueError as `check_level`."""
+        """Return the level, by default `level_`; ValueError as `check_level`."""
         chosen = self.level_ if level is None else level
         self.check_level(chosen)
         return chosen
 
     def check_level(self, level: float) -> None:
-        """Raise ValueError, with what is allowed, for a level of intervals that the calibration cases do not tell."""
+        """Raise ValueError, with the allowed range, for a level beyond what the calibration cases allow."""
         most = self.distribution.highest_level()
         if not 0 < level <= most:
             raise ValueError(f"level {level:g} is not between 0 and {most:.10g}{self._told()}")
 
     def _told(self) -> str:
-        """Who sets the bounds of levels, for messages."""
+        """Return the end of a message that names the source of the bounds of levels."""
         if self.calibration_ is None:
             return ""
         return f", all that {self.calibration_.distribution.cases} calibration cases tell"

@@ -1,4 +1,4 @@
-"""Models as data: netCDF files with everything that a prediction needs, nothing of which is executed."""
+"""Models in netCDF files: all data of a prediction, nothing of which is executed."""
 
 import re
 from importlib import import_module
@@ -23,11 +23,11 @@ from surrogate.intervals.distribution import NOMINAL
 FORMAT = "surrogate"
 VERSION = 4
 MAX_BYTES = 2**28  # unpacked; a model is a few MB at most, and a hostile file must not fill the memory
-_DENSEST, _SMALL = 100, 2**22  # times what a file weighs that it may unpack to, where that is more than some bytes
+_DENSEST, _SMALL = 100, 2**22  # a file may unpack to so many times its size, or to so many bytes
 PROBES = 8
 _PROBE_DIMS = {"point": ("probe", "input")} | dict.fromkeys(("mean", "std", "lower", "upper"), ("probe", "output"))
 PROBE_TOLERANCE = 1e-7
-#: Module and class of every kind. A kind that is made of other models is made of kinds that stand before it.
+#: Module and class of every kind of model. The members of a kind are of earlier kinds.
 ENGINES = {
     "grid": ("gp.gridgp", "GridGP"),
     "scatter": ("gp.scattergp", "ScatterGP"),
@@ -36,7 +36,7 @@ ENGINES = {
     "corrected": ("transforms.measured", "CorrectedGP"),
 }
 _LEVELS = r"level_\d+"
-#: Most of each dimension, of a model or a member: a matrix is decomposed over levels and over cases.
+#: Longest dimensions of a model or a member: matrices over levels and over cases are decomposed.
 MOST = {_LEVELS: MOST_OF_A_FACTOR, "case": 3000, "input": 100, "output": 10_000}
 _ALL_LEVELS = 2 * MOST_OF_A_FACTOR  # of all factors together
 
@@ -46,8 +46,8 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
 
     Parameters
     ----------
-    model : GaussianProcess, fitted
-    path : str or path, the file
+    model : GaussianProcess
+    path : str or path
 
     Raises
     ------
@@ -78,10 +78,10 @@ def save(model: GaussianProcess, path: str | PathLike[str]) -> None:
 
 
 def nested(model: GaussianProcess) -> xr.Dataset:
-    """Return a model as one data set: inputs, outputs, state and calibration, then the same of every member.
+    """Return a model with its members as one data set: inputs, outputs, state and calibration of each.
 
-    What a member has stands under names that begin with the member's: `smooth_axes_core_0` is the first core of the
-    model over axes that is the smooth model of the whole.
+    The names of a member's variables begin with the member's name: `smooth_reduced_core_0` is the first core of the
+    member `reduced` of the member `smooth`.
     """
     inputs, outputs, members = model.inputs_, model.outputs_, model.members
     whole = xr.Dataset(
@@ -111,7 +111,7 @@ def nested(model: GaussianProcess) -> xr.Dataset:
 
 
 def _prefixed(name: str, member: xr.Dataset) -> xr.Dataset:
-    """A member's data set under names that begin with its own, as do their meanings."""
+    """Return a member's data set with the member's name before all names and long names."""
     description = described(member, "", "", MEANINGS)
     for variable in description.variables.values():
         variable.attrs["long_name"] = f"{name} model: {variable.attrs.get('long_name', '')}"
@@ -133,7 +133,7 @@ def _member(name: str, stored: xr.Dataset) -> xr.Dataset:
 
 
 def _answers(model: GaussianProcess, points: Array) -> dict[str, Array]:
-    """Means, standard deviations and ends of intervals at points (n, d): (n, p) each."""
+    """Return means, standard deviations and ends of intervals at points (n, d): (n, p) each."""
     mean, std = model.predict_array(points, return_std=True, extrapolate=True)
     lower, upper = model.interval_array(points, NOMINAL, extrapolate=True)
     return {"mean": mean, "std": std, "lower": lower, "upper": upper}
@@ -147,10 +147,9 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
     FileNotFoundError
         There is no such file.
     FormatError
-        One line with the file and the reason: truncated, altered, too large for what it weighs or for the memory of a
-        model, more than plain numbers and texts, not a
-        model, of an unknown version, engine or kernel, inconsistent in its shapes, or its probe predictions do not come
-        out as stored.
+        One line with the file and the reason: truncated, altered, too large, other contents than plain numbers and
+        texts, not a model, an unknown version, engine or kernel, inconsistent shapes, or other probe predictions than
+        those stored.
 
     Examples
     --------
@@ -193,14 +192,14 @@ def load(path: str | PathLike[str]) -> GaussianProcess:
 
 
 def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
-    """Return the model that `nested` gave; ValueError names what is inconsistent, KeyError what is not there."""
+    """Undo `nested`; ValueError names what is inconsistent, KeyError what is missing."""
     name, inputs, outputs = str(stored.attrs["engine"]), stored_inputs(stored), _outputs(stored)
     if name not in engines:
         raise ValueError(f"unknown engine {name!r}; known are {', '.join(engines)}")
     module, class_name = ENGINES[name]
     kind: type[GaussianProcess] = getattr(import_module(f"surrogate.{module}"), class_name)
-    before = engines[: engines.index(name)]
-    members = {member: restored(_member(member, stored), before) for member in kind.MEMBERS}
+    earlier = engines[: engines.index(name)]
+    members = {member: restored(_member(member, stored), earlier) for member in kind.MEMBERS}
     model = kind.restore(stored, inputs, outputs)
     model.calibration_, model.cases_ = None, int(stored.attrs["cases"])
     model.made_from_ = str(stored.attrs.get("made_from", ""))
@@ -214,7 +213,7 @@ def restored(stored: xr.Dataset, engines: tuple[str, ...]) -> GaussianProcess:
 
 
 def probe_points(inputs: tuple[Input, ...]) -> Array:
-    """Return a few points spread over the box, (PROBES, d): a Kronecker sequence."""
+    """Return a Kronecker sequence of points in the box, (PROBES, d)."""
     steps = np.sqrt(np.arange(2, 2 + len(inputs)) + 0.618)
     share = (steps[:, None] * np.arange(1, PROBES + 1)) % 1
     return physical_points(inputs, 2 * share - 1)
@@ -231,7 +230,7 @@ def _outputs(stored: xr.Dataset) -> dict[str, dict[str, str]]:
 
 
 def check_sizes(stored: xr.Dataset) -> None:
-    """Raise ValueError, with a dimension and its length, where one is longer than is read."""
+    """Raise ValueError, naming dimension and length, if a dimension is longer than `load` accepts."""
     for kind, most in MOST.items():
         for name, length in _lengths(stored, kind).items():
             if length > most:

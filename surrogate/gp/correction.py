@@ -1,8 +1,8 @@
-"""The error of interpolation on Chebyshev-Gauss levels, learnt from held-out cases.
+"""Error of interpolation on Chebyshev-Gauss levels, learnt from held-out cases.
 
 On the n zeros of T_n every aliased term is T_{n+k} + T_{n-k} = 2 T_n T_k (L. N. Trefethen, Approximation Theory and
-Approximation Practice (2013), chapter 4), so that the error is, to leading order, sum_f T_{n_f}(t_f) g_f(t) with smooth
-g_f. One linear regression finds these amplitudes. What is left has no sign that could be foretold.
+Approximation Practice (2013), chapter 4). To leading order the error is sum_f T_{n_f}(t_f) g_f(t) with smooth
+amplitudes g_f, which one linear regression finds.
 """
 
 from collections.abc import Sequence
@@ -17,41 +17,36 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from approximation import products
-from approximation.arrays import Array, Indices, blocks
+from approximation.arrays import Array, Indices
 from approximation.products import additive, product
+from surrogate.face.model import in_blocks
 from surrogate.gp.factors import Features
 from surrogate.intervals.guard import places
 
-# A degree of g_f costs half of the decay of the factor's kernel, and no more than this.
-DEAREST = 1.5
-# Degrees are taken up to this cost together; where the cases do not allow this one, no correction is worth its terms.
-COST, LEAST_COST = 4.6, 1.5
-# Held-out cases that a term needs. The most terms and cases of a regression bound its memory and time; what it leaves
-# of further cases is evaluated in blocks.
-CASES_A_TERM, MOST_TERMS, MOST_CASES, BLOCK = 7, 600, 20_000, 2048
-# Directions of the regression that are this small beside the largest are dropped.
-TOLERANCE = 1e-9
-# What a group alone tells is as good as unknown without it.
-UNKNOWN = 1e-3
+DEAREST = 1.5  # a degree of g_f costs half of the decay of the factor's kernel, and at most this
+COST, LEAST_COST = 4.6, 1.5  # highest cost of a term's degrees; if the cases allow less than the second, no correction
+CASES_A_TERM = 7  # held-out cases that a term needs
+MOST_TERMS, MOST_CASES = 600, 20_000  # of a regression, which bound its memory and time
+TOLERANCE = 1e-9  # relative size of the directions that the regression drops
+UNKNOWN = 1e-3  # least share of a direction's information that must remain without a group of cases
 # Where ordinary least squares leave more than this share of the median error, they spread the errors of a small part
 # of the box over all of it. There a case weighs as a power of its scale: 1 would raise the largest errors by 40 %.
 LEAST_GAIN = 0.5
 WEIGHT_POWER = 0.25
 SCALE_DEGREE = 6
-# Smallest share of the median's scale, and of the largest error, that is told from zero.
-SMALLEST_SCALE, SMALLEST = 1e-3, 1e-9
+SMALLEST_SCALE, SMALLEST = 1e-3, 1e-9  # lower bounds of scales over their median and of errors over the largest
 
 
 @dataclass(frozen=True)
 class Correction:
     """Correction of the mean: sum_f T_{n_f}(t_f) sum_a coefficients[f, a] prod_j T_{indices[a, j]}(t_j)."""
 
-    levels: tuple[int, ...]  # Number of levels n_f of every factor
-    indices: Indices  # shape (m, d); Degrees of the amplitudes' terms
-    coefficients: Array  # shape (d, m, p); In units of the outputs
+    levels: tuple[int, ...]  # number of levels n_f of every factor
+    indices: Indices  # shape (m, d); degrees of the amplitudes' terms
+    coefficients: Array  # shape (d, m, p); in units of the outputs
 
     def values(self, t: Array) -> Array:
-        """Return what is added at scaled coordinates t, (d, B): (p, B)."""
+        """Return the correction at scaled coordinates t, (d, B): (p, B)."""
         T = self._polynomials(t)
         amplitudes = (self._matrix @ product(self.indices, T)).reshape(len(t), -1, t.shape[1])
         return np.asarray(np.einsum("fpb,fb->pb", amplitudes, self._nodal(T)))
@@ -69,16 +64,14 @@ class Correction:
         return np.asarray(slopes)
 
     def steepened(self, factor: int, slope: Features) -> Features:
-        """Return a factor's features of derivatives, with the variances as of what the correction leaves.
-
-        Low degrees are gone: along the factor the error's own terms begin at T_n T_{a+1}, those of others at T_{a+1},
-        with the correction's highest degree a; a polynomial's slope grows with its degree.
-        """
+        """Return a factor's features of derivatives, with the variances of the error that the correction leaves."""
+        # Low degrees are corrected: along the factor the error's own terms begin at T_n T_{a+1}, those of other factors
+        # at T_{a+1}, with the correction's highest degree a. A polynomial's slope grows with its degree.
         n, above = self.levels[factor], 1 + int(self.indices[:, factor].max())
         return replace(slope, prior=slope.prior * above**2, residual=slope.residual * ((n + above) / n) ** 2)
 
     def only(self, columns: Sequence[int]) -> Self:
-        """Return that of some outputs."""
+        """Return the correction of the outputs `columns`."""
         return replace(self, coefficients=self.coefficients[..., list(columns)])
 
     def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
@@ -114,12 +107,12 @@ class Correction:
         return products.polynomials(t, self._degree + 1)
 
     def _nodal(self, T: Array) -> Array:
-        """T_{n_f}(t_f), or its derivative: (d, B)."""
+        """Return T_{n_f}(t_f), (d, B), from polynomials T, or its derivatives from theirs, (count, d, B)."""
         return np.asarray(T[list(self.levels), np.arange(len(self.levels))])
 
 
 def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = None) -> Indices | None:
-    """Choose the amplitudes' terms a, (m, d): all of sum_j a_j cost_j up to what the cases allow; None if too few."""
+    """Return the degrees a, (m, d), of the cheapest terms, sum_j a_j cost_j, that the cases allow; None if too few."""
     cost = np.minimum(-0.5 * np.log(rho), DEAREST)
     most = min(cases // CASES_A_TERM, MOST_TERMS) // len(cost)
     shared = [k for k, count in enumerate(known_at or ()) if count < cases]
@@ -131,7 +124,7 @@ def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = N
         spent, index = heappop(heap)
         part = tuple(index[k] for k in shared)
         if part not in parts and len(parts) >= max(most_parts, 1):
-            continue  # nor does any index that follows from it
+            continue  # the indices that follow from it have the same part or a larger one
         parts.add(part)
         ranked.append((spent, index))
         # each index is reached once: from the one without its last degree
@@ -139,7 +132,7 @@ def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = N
         for j in range(last, len(cost)):
             above = (*index[:j], index[j] + 1, *index[j + 1 :])
             heappush(heap, (float(np.dot(above, cost)), above))
-    if len(ranked) > most:  # what costs as much as the first one too many goes with it
+    if len(ranked) > most:  # drop all terms that cost as much as the first one too many
         beyond = ranked[-1][0]
         if beyond <= LEAST_COST:
             return None
@@ -150,28 +143,21 @@ def degrees(rho: Sequence[float], cases: int, known_at: Sequence[int] | None = N
 def correct(
     errors: Array, t: Array, levels: tuple[int, ...], rho: Sequence[float], groups: Indices
 ) -> tuple[Correction | None, Array]:
-    """Learn the correction of a mean from held-out errors (p, n) at t, (d, n); return it, if any, and what it leaves.
-
-    Ordinary least squares, and for outputs whose errors they spread about, weighted ones. An output whose errors do not
-    become smaller keeps its mean.
-    """
+    """Return the correction learnt from held-out errors (p, n) at t, (d, n), None if too few, and what it leaves."""
     indices = degrees(rho, errors.shape[1], places(t, groups).tolist())
     if indices is None:
         return None, errors
-    first = slice(MOST_CASES)
+    first, later = slice(MOST_CASES), slice(MOST_CASES, None)
     fitted, left = _fitted(errors[:, first], t[:, first], levels, indices, groups[first])
-    later_errors, places_beyond = errors[:, MOST_CASES:], t[:, MOST_CASES:]
-    later_residuals = [
-        later_errors[:, block] - fitted.values(places_beyond[:, block])
-        for block in blocks(later_errors.shape[1], BLOCK)
-    ]
-    return fitted, np.concatenate([left, *later_residuals], axis=1)
+    if errors.shape[1] > MOST_CASES:
+        left = np.hstack([left, errors[:, later] - in_blocks(t[:, later], fitted.values)])
+    return fitted, left
 
 
 def _fitted(
     errors: Array, t: Array, levels: tuple[int, ...], indices: Indices, groups: Indices
 ) -> tuple[Correction, Array]:
-    """The correction and what it leaves of every group left out."""
+    """Return the correction by least squares and the errors, (p, n), that it leaves with each group left out."""
     empty = Correction(levels, indices, np.empty((len(t), len(indices), 0)))
     T = empty._polynomials(t)
     features = (empty._nodal(T)[:, None] * product(indices, T)).reshape(-1, t.shape[1])
@@ -180,17 +166,17 @@ def _fitted(
     basis, back = basis[:, significant], (back[significant] / values[significant, None]).T
     coefficients = errors @ basis
     left = _left_out(errors - coefficients @ basis.T, basis, groups)
-    stays = np.median(np.abs(left), axis=1) > LEAST_GAIN * np.median(np.abs(errors), axis=1)
-    for p in np.flatnonzero(stays):
+    little_gain = np.median(np.abs(left), axis=1) > LEAST_GAIN * np.median(np.abs(errors), axis=1)
+    for p in np.flatnonzero(little_gain):
         coefficients[p], left[p] = _weighted(basis, errors[p], _rough_scale(left[p], t), groups)
-    worse = (left**2).sum(axis=1) >= (errors**2).sum(axis=1)
+    worse = (left**2).sum(axis=1) >= (errors**2).sum(axis=1)  # these outputs keep their means
     coefficients[worse], left[worse] = 0.0, errors[worse]
     whole = (back @ coefficients.T).reshape(*empty.coefficients.shape[:2], len(errors))
     return replace(empty, coefficients=whole), left
 
 
 def _weighted(basis: Array, error: Array, scale: Array, groups: Indices) -> tuple[Array, Array]:
-    """Coefficients in an orthonormal basis, (n, k), and what they leave of every group left out, (n,)."""
+    """Return weighted coefficients (k,) in a basis (n, k), and the errors (n,) that they leave with groups left out."""
     root = scale**-WEIGHT_POWER
     orthonormal, triangle = np.linalg.qr(basis * root[:, None])
     projections = orthonormal.T @ (error * root)
@@ -199,11 +185,8 @@ def _weighted(basis: Array, error: Array, scale: Array, groups: Indices) -> tupl
 
 
 def _left_out(residuals: Array, basis: Array, groups: Indices) -> Array:
-    """Leave-one-group-out residuals (p, n) of least squares in an orthonormal basis (n, k).
-
-    Residuals over 1 - leverage (D. M. Allen, Technometrics 16 (1974) 125); of a group of several cases, with its block
-    of the projection in place of the leverage.
-    """
+    """Return leave-one-group-out residuals, (p, n), of least squares in an orthonormal basis (n, k)."""
+    # residuals over 1 - leverage: D. M. Allen, Technometrics 16 (1974) 125; a group has a block of the projection
     left = residuals / np.maximum(1 - np.einsum("nk,nk->n", basis, basis), TOLERANCE)
     order = np.argsort(groups, kind="stable")
     for cases in np.split(order, np.flatnonzero(np.diff(groups[order])) + 1):
@@ -215,7 +198,7 @@ def _left_out(residuals: Array, basis: Array, groups: Indices) -> Array:
 
 
 def _rough_scale(left: Array, t: Array) -> Array:
-    """Size of errors over the box, over its median: the exponential of an additive polynomial; (n,)."""
+    """Return the size of errors (n,) at t, (d, n), over its median: the exponential of an additive polynomial."""
     sizes = np.abs(left)
     if not sizes.any():
         return np.ones_like(left)

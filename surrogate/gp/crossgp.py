@@ -1,10 +1,9 @@
-"""The grid's Gaussian process where the full factorial is too large: its tensor train from few cases, asked for.
+"""Gaussian process on a grid whose factorial is too large: a tensor train by cross approximation from few cases.
 
-The train comes from a cross approximation, where an entry is a whole block of values. A sweep goes from the first mode
-to the last. At a mode, the tensor is sampled at the rows that are kept of the modes before it, every index of its own,
-and a few indices of the modes behind it. Blocks have many values, all of which the kept rows must interpolate, so a few
-indices are enough. Rows are chosen by QR with pivoting, so that ranks follow from the tolerance. Fresh entries judge
-the train; where it errs most is where the next sweep looks too.
+An entry of the tensor is a block of values. A sweep goes from the first mode to the last. At each mode it samples the
+rows kept of the modes before, every index of the mode, and a few indices of the modes behind; few are enough, since the
+rows must interpolate all values of the blocks. QR with pivoting chooses the rows, so that ranks follow from the
+tolerance. Fresh entries judge the train, and the next sweep also samples where its error is largest.
 
 Sources: I. V. Oseledets and E. Tyrtyshnikov, Linear Algebra Appl. 432 (2010) 70 (TT-cross); H. Cheng et al., SIAM J.
 Sci. Comput. 26 (2005) 1389 (interpolation from rows chosen by QR).
@@ -25,38 +24,32 @@ from surrogate.gp.factors import cosine_basis
 from surrogate.gp.gridgp import GridGP
 from surrogate.gp.tensortrain import TensorTrain, compress
 
-#: The dimension of the places that are asked for.
-PLACE = "place"
-# Error of the compressed train over the outputs' ranges, of `compression`, which is over their standard deviations.
-SMALL = 0.1
-#: The steps of an approximation: it yields indices (n, d), is sent their blocks (n, b, p), and returns what it found.
+PLACE = "place"  # dimension of the requested places
+SMALL = 0.1  # error of the compressed train over the outputs' ranges, as a share of `compression`
+#: An approximation yields indices (n, d), is sent their blocks (n, b, p), and returns the result.
 Steps = Generator[Indices, Array, "Crossed"]
 
-# FRESH entries judge every sweep. A sweep asks for BEHIND indices of the modes behind, for BEHIND_FEW where a block has
-# fewer values than MANY. The rows that it keeps give all others to LEFT of the tolerance in the first sweep; each
-# further sweep multiplies that share by FINER.
-FRESH, BEHIND, BEHIND_FEW, MANY = 24, 2, 4, 100
-LEFT, FINER = 0.1, 0.5
+FRESH = 24  # entries that judge a sweep
+BEHIND, BEHIND_FEW, MANY = 2, 4, 100  # first indices of the modes behind, and for blocks of fewer values than MANY
+LEFT, FINER = 0.1, 0.5  # interpolation error of the first sweep's rows over the tolerance, and its factor per sweep
 
 
 @dataclass(frozen=True)
 class Crossed:
     """Result of a cross approximation."""
 
-    # Core k has shape (r_k, n_k, r_{k+1}), the last one (r_d, n_d, b, p). Values are less `offset`, over `scale`.
+    # core k has shape (r_k, n_k, r_{k+1}), the last one (r_d, n_d, b, p), of values less `offset`, over `scale`
     cores: tuple[Array, ...]
-    # shape (p,); Mean and range of the first fresh entries
-    offset: Array
-    scale: Array
-    error: Array  # shape (p,); Largest error on the last fresh entries over `scale`
-    entries: int  # Entries that were asked for, fresh ones included
+    offset: Array  # shape (p,); mean of the first fresh entries
+    scale: Array  # shape (p,); their range
+    error: Array  # shape (p,); largest error on the last fresh entries, over `scale`
+    entries: int  # number of requested entries, fresh ones included
 
 
 def approximation(sizes: Sequence[int], tolerance: float, most: int = 10_000) -> Steps:
-    """Approximate a tensor with blocks as entries; yield batches of indices, the same ones for equal blocks.
+    """Approximate a tensor (n_1, ..., n_d) of blocks; yield batches of indices, the same ones for equal blocks.
 
-    sizes: indices n_k of every mode; tolerance: largest error of any value over its output's range that fresh entries
-    may show; most: no sweep begins once so many entries have been asked for.
+    tolerance: largest error over an output's range at fresh entries; most: entries after which no sweep begins.
     """
     random = np.random.default_rng(0)
     fresh = _fresh(random, sizes, {})
@@ -95,24 +88,23 @@ def approximation(sizes: Sequence[int], tolerance: float, most: int = 10_000) ->
 
 
 def _spread(random: np.random.Generator, sizes: Sequence[int], count: int) -> Indices:
-    """A few random indices of modes, different in each as far as it goes."""
+    """Return at most `count` random indices of modes, (n, d), with distinct indices along every mode if possible."""
     columns = [np.resize(random.permutation(size), count) for size in sizes]
     return np.unique(np.stack(columns, axis=1), axis=0)
 
 
 def _fresh(random: np.random.Generator, sizes: Sequence[int], requested: Mapping[tuple[int, ...], None]) -> Indices:
-    """Random indices that nobody has asked for, while there are some."""
-    drawn = np.unique(random.integers(sizes, size=(2 * FRESH, len(sizes))), axis=0)
-    drawn = random.permutation(drawn)
-    unasked = [index for index in drawn.tolist() if tuple(index) not in requested]
-    return np.array((unasked or drawn.tolist())[:FRESH], dtype=np.intp)
+    """Return at most FRESH random indices, (n, d), that were not requested, or requested ones if none are left."""
+    candidates = np.unique(random.integers(sizes, size=(2 * FRESH, len(sizes))), axis=0)
+    candidates = random.permutation(candidates)
+    fresh = [index for index in candidates.tolist() if tuple(index) not in requested]
+    return np.array((fresh or candidates.tolist())[:FRESH], dtype=np.intp)
 
 
 def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Crossed:
-    """Go through steps as far as blocks are known: return the indices (n, d) that lack one, or what was found.
+    """Run an approximation on known blocks; return its result or the next indices, (n, d), without a block.
 
-    An approximation has no state but the blocks that it was given: it is gone through again from its first step, which
-    costs little beside the blocks, and so an interrupted one goes on as if nothing had happened.
+    It always starts from its first step, which costs little beside the blocks, so that an interrupted one can resume.
     """
     wanted = next(steps)
     while True:
@@ -127,7 +119,7 @@ def run(steps: Steps, known: Mapping[tuple[int, ...], Array]) -> Indices | Cross
 
 
 def interpolation(matrix: Array, left: float, first: Sequence[int] = ()) -> tuple[Indices, Array]:
-    """Choose rows, (r,), of a matrix (m, n) from which all rows follow by weights (m, r)."""
+    """Return rows, (r,), beginning with `first`, and weights, (m, r), that interpolate a matrix (m, n) to an error."""
     rows, residual = list(first), matrix
     if rows:
         basis = qr(matrix[rows].T, mode="economic")[0]
@@ -144,7 +136,7 @@ def interpolation(matrix: Array, left: float, first: Sequence[int] = ()) -> tupl
 
 
 def _at(cores: Sequence[Array], indices: Indices) -> Array:
-    """Values of a train of cores, (n, b, p), at indices (n, d)."""
+    """Return the values, (n, b, p), of a train of cores at indices (n, d)."""
     state = np.ones((len(indices), 1))
     for core, index in zip(cores, indices.T, strict=True):
         state = np.einsum("nr,rn...->n...", state, core[:, index])
@@ -152,22 +144,21 @@ def _at(cores: Sequence[Array], indices: Indices) -> Array:
 
 
 def _pairs(before: Indices, behind: Indices) -> Indices:
-    """Every row of the first followed by every row of the second."""
+    """Return every row of `before` followed by every row of `behind`."""
     return np.hstack([np.repeat(before, len(behind), axis=0), np.tile(behind, (len(before), 1))])
 
 
 def _places(candidates: Indices, rows: Indices | None) -> list[int]:
-    """Return the positions of an earlier sweep's rows among the candidates, in their order."""
+    """Return the positions of the last sweep's rows among the candidates, in the order of the rows."""
     number = {row: place for place, row in enumerate(map(tuple, candidates.tolist()))}
     return [] if rows is None else [number[row] for row in map(tuple, rows.tolist())]
 
 
 class CrossGP(GridGP):
-    """Gaussian process on a grid, of which a cross approximation asks for few cases.
+    """Gaussian process on a grid that is fitted to few cases of the factorial by cross approximation.
 
-    Some inputs are *crossed*: `ask` names the places, of their levels, that are to be solved next. All levels of the
-    others, if there are any, are solved at every place, which should be cheap. What `fit` makes, and what is saved of
-    it, is a `GridGP`.
+    Some inputs are *crossed*: `ask` returns the places, of their levels, to be solved next. At every place all levels
+    of the other inputs are solved, which should be cheap. The fitted and saved model is a `GridGP`.
 
     Parameters
     ----------
@@ -176,22 +167,22 @@ class CrossGP(GridGP):
     levels : mapping
         Chebyshev-Gauss levels of every input by name.
     crossed : sequence of str
-        Names of the crossed inputs. Those of the most levels should come first: the last have the largest ranks.
+        Names of the crossed inputs, those of the most levels first: the last have the largest ranks.
     tolerance : float
-        Largest error over its range that an output may show at fresh places, on levels.
+        Largest error of an output over its range at fresh places, on levels.
     outputs : sequence of str, optional
         Outputs to model, by default every variable.
     compression : float
         As of `GridGP`.
     most : int
-        Places that are enough, whatever the error.
+        Number of places after which no sweep begins, whatever the error.
 
     Attributes
     ----------
     error_ : dict of str to float
         Largest error of every output over its range at the last fresh places, on levels.
     places_ : int
-        Places that were asked for.
+        Number of requested places.
 
     Examples
     --------
@@ -236,7 +227,7 @@ class CrossGP(GridGP):
         return tuple(name for name in self.levels if name not in self.crossed)
 
     def ask(self, X: xr.Dataset | None) -> xr.Dataset:
-        """Return the places to be solved next or, when there are enough, the error.
+        """Return the places to be solved next or, when there are enough, the error of the train.
 
         Parameters
         ----------
@@ -246,8 +237,7 @@ class CrossGP(GridGP):
         Returns
         -------
         Dataset
-            The crossed inputs over `place`; in the end `error` over `output`, the largest over its range at the last
-            fresh places, on levels.
+            The crossed inputs over `place`; in the end `error` over `output`, as `error_`.
         """
         crossed = run(self._steps(), {} if X is None else self.blocks(X))
         if X is not None and isinstance(crossed, Crossed):
@@ -262,7 +252,7 @@ class CrossGP(GridGP):
         )
 
     def fit(self, X: xr.Dataset) -> Self:
-        """Fit to the cases that were asked for.
+        """Fit to the cases at the requested places.
 
         Parameters
         ----------
@@ -272,7 +262,7 @@ class CrossGP(GridGP):
         Raises
         ------
         ValueError
-            Cases are missing, or are not finite; a value is no level.
+            Cases are missing or not finite, or a value is no level.
         """
         crossed = run(self._steps(), self.blocks(X))
         if not isinstance(crossed, Crossed):
@@ -296,7 +286,7 @@ class CrossGP(GridGP):
         return output_names(X, self.outputs, exclude=tuple(self.levels))
 
     def blocks(self, X: xr.Dataset) -> dict[tuple[int, ...], Array]:
-        """Return the cases of every place, (b, p), by the place's indices among the levels; ValueError as for `fit`."""
+        """Return the cases (b, p) of every place by its indices among the levels; ValueError as for `fit`."""
         names = self._names(X)
         indices = np.stack([self._index(name, X[name].values) for name in self.crossed], axis=1)
         for name in self.whole:
@@ -312,7 +302,7 @@ class CrossGP(GridGP):
         return dict(zip(map(tuple, indices.tolist()), blocks, strict=True))
 
     def _index(self, name: str, values: Array) -> Indices:
-        """The level of every value; ValueError for one that is none."""
+        """Return the level number of every value; ValueError for a value that is no level."""
         axis = self._box[name]
         levels, unit = axis.to_unit(axis.levels(self.levels[name])), axis.to_unit(values)
         nearest = np.abs(unit[:, None] - levels).argmin(axis=1)
@@ -322,14 +312,14 @@ class CrossGP(GridGP):
         return np.asarray(nearest, dtype=np.intp)
 
     def _train(self, crossed: Crossed) -> TensorTrain:
-        """The train of the coefficients in the orthonormal bases, of values less offset over scale."""
+        """Return the train of coefficients in the orthonormal bases, of values less offset, over scale."""
         bases = [cosine_basis(self.levels[name])[0] for name in (*self.crossed, *self.whole)]
         cores = [np.einsum("rns,nm->rms", core, basis) for core, basis in zip(crossed.cores[:-1], bases, strict=False)]
         last = crossed.cores[-1]
         block: Any = last.reshape(*last.shape[:2], *(self.levels[name] for name in self.whole), last.shape[-1])
         for k, basis in enumerate(bases[len(cores) :], start=1):
             block = np.moveaxis(np.tensordot(block, basis, (k, 0)), -1, k)
-        # rows before the last core interpolate, so that an error of its entries is about one of all
+        # the rows before the last core interpolate, so that an error of its entries is about that of all entries
         small = SMALL * self.compression
         split = compress(block.reshape(-1, *block.shape[2:]), small * float(np.sqrt(last.size))).cores
         first = split[0].reshape(*last.shape[:2], -1)
@@ -337,11 +327,11 @@ class CrossGP(GridGP):
         return whole.only(range(last.shape[-1]), small * float(np.sqrt(self._places())))
 
     def _standardise(self, train: TensorTrain, crossed: Crossed) -> None:
-        """Take the outputs' means and standard deviations from the train, then kernels and variance as on a grid."""
+        """Set the outputs' means, deviations and train from a train of scaled values, then kernels and variance."""
         sizes = [len(self.levels_[k]) for k in self.order_]
         constants, grams = [np.eye(size)[:, :1] for size in sizes], train.grams()
         for k, (gram, size) in enumerate(zip(grams, sizes, strict=True)):
-            # as if the mean were zero, as that of a grid's standardised outputs is
+            # remove the mean, which is zero for a grid's standardised outputs
             line = train.evaluate([*constants[:k], np.eye(size), *constants[k + 1 :]])
             mean = line[:, :1].copy()
             gram[:, 0] -= mean * line

@@ -1,8 +1,7 @@
-"""Factor of a separable Gaussian process: its kernel on the levels and its features at a query.
+"""Factor of a separable Gaussian process: its kernel on the levels and its features at query points.
 
-Every factor brings an orthonormal basis of functions on its levels, ordered from smooth to rough (discrete Chebyshev
-polynomials: on Chebyshev-Gauss levels the discrete cosine transform), in which smooth data have few and quickly
-decaying coefficients. The kernel of factor f for output p is ``1 + amplitude[f, p] * K_f(x, y)``.
+The kernel of factor f for output p is ``1 + amplitude[f, p] * K_f(x, y)``. In the factor's basis of discrete Chebyshev
+polynomials smooth data have few and quickly decaying coefficients.
 """
 
 from dataclasses import dataclass
@@ -12,44 +11,41 @@ import numpy as np
 from approximation import chebyshev
 from approximation.arrays import Array
 
-# Mean features drop contributions of the kernel's tail below rounding.
-NEGLIGIBLE = 1e-17
+NEGLIGIBLE = 1e-17  # share of a mode that its alias may take and be dropped, below rounding
 
 
 @dataclass(frozen=True)
 class Features:
     """Features of one factor at B query points."""
 
-    mean: Array  # shape (modes, B); Functions that the coefficients of the mean multiply
+    mean: Array  # shape (modes, B); functions that the coefficients of the mean multiply
     prior: Array  # shape (B,); K(x, x), without the constant and the amplitude
-    # shape (B,); Part of K(x, x) that the levels leave unknown, >= 0: K(x, x) - K(x, X) K(X, X)^-1 K(X, x)
-    residual: Array
+    residual: Array  # shape (B,); unknown part of K(x, x) given levels X, K(x, x) - K(x, X) K(X, X)^-1 K(X, x)
 
 
 class Factor:
-    """Factor kernel sum_{0<m<2n} rho^m T_m(x) T_m(y) beside a constant, on the n zeros of T_n.
+    """Factor kernel K(x, y) = sum_{0<m<2n} rho^m T_m(x) T_m(y) on the n zeros of T_n.
 
-    On these levels T_{2n-m} = -T_m and T_n = 0, so every kernel that is diagonal in the Chebyshev polynomials has the
-    discrete cosine transform as eigenvectors, and each pair (m, 2n-m) shares one eigenvalue rho^m + rho^(2n-m). With
-    2n terms the constant has no alias and the mean reproduces it exactly. What the levels leave unknown is
+    On these levels T_{2n-m} = -T_m and T_n = 0 (aliasing: Trefethen, Approximation Theory and Approximation Practice
+    (2013), chapter 4). So the discrete cosine transform has the eigenvectors of the kernel matrix, and each pair
+    (m, 2n-m) has the eigenvalue rho^m + rho^(2n-m). With 2n terms the constant has no alias, and the mean reproduces
+    it exactly. From T_m + T_{2n-m} = 2 T_n T_{n-m}, the unknown part of K(x, x) is
 
-        T_n(x)^2 [rho^n + 4 sum_{0<m<n} rho^m rho^(2n-m) / (rho^m + rho^(2n-m)) T_{n-m}(x)^2],
+        T_n(x)^2 [rho^n + 4 sum_{0<m<n} rho^m rho^(2n-m) / (rho^m + rho^(2n-m)) T_{n-m}(x)^2].
 
-    a sum of squares that vanishes on the levels (from T_m + T_{2n-m} = 2 T_n T_{n-m}). A factor with two levels is
-    taken as affine: its kernel ends at T_1 and nothing is left unknown.
-    Source: aliasing, Trefethen, Approximation Theory and Approximation Practice (2013), chapter 4; the rest follows.
+    The kernel of a factor with two levels is affine: it ends at T_1 and leaves nothing unknown.
     """
 
     t: Array  # shape (n,), levels in the scaled coordinate
-    parameter: float  # rho, the kernel's decay
-    levels: int  # their number n
-    affine: bool  # whether the kernel is affine, so that the levels leave nothing unknown
+    parameter: float  # rho
+    levels: int  # n
+    affine: bool
     basis: Array  # shape (n, n), orthonormal columns on the levels, from smooth to rough
     weights: Array  # shape (n,), factor between coefficients in `basis` and those that multiply `Features.mean`
-    decay: Array  # shape (2n,) or, affine, (2,), coefficients of the kernel without its constant
-    eigenvalues: Array  # shape (n,), of the kernel on the levels, over the squares of `weights`
+    decay: Array  # shape (2n,) or, affine, (2,), coefficients rho^m of the kernel, 0 for m = 0
+    eigenvalues: Array  # shape (n,), eigenvalues of the kernel on the levels, over the squares of `weights`
     damping: Array  # shape (n,), share of every mode that its alias takes
-    unknown: Array  # shape (n,), coefficients of T_j(x)^2 in what the levels leave unknown over T_n(x)^2
+    unknown: Array  # shape (n,), coefficients of T_j(x)^2 in the unknown part over T_n(x)^2
 
     def __init__(self, levels: int, rho: float) -> None:
         if not 0 < rho < 1:
@@ -76,16 +72,16 @@ class Factor:
             self.unknown[0] = decay[n]
         significant = np.flatnonzero(self.damping > NEGLIGIBLE)
         self._first_damped = int(significant[0]) if significant.size else n
-        # one product gives the prior and what it must be multiplied by T_n^2 to give the residual
+        # one product gives the prior and the residual over T_n^2
         self._shares = np.stack([decay, np.append(self.unknown, np.zeros(len(decay) - n))])
 
     def inverse(self) -> tuple[Array, Array]:
-        """Return K^-1 basis and the diagonal of K^-1; the basis diagonalises K."""
+        """Return K^-1 basis, (n, n), and the diagonal of K^-1, (n,); the basis diagonalises K."""
         inverse = self.basis * (self.weights**2 / self.eigenvalues)
         return inverse, np.einsum("im,im->i", inverse, self.basis)
 
     def features(self, t: Array, modes: int) -> Features:
-        """Return T_m damped by its alias, K(x, x) and what the levels leave unknown."""
+        """Return the features at scaled coordinates t, (B,), whose means are T_m damped by its alias."""
         T = chebyshev.polynomials(t, len(self.decay))
         squares = T * T
         prior, residual = self._shares @ squares
@@ -94,7 +90,7 @@ class Factor:
         return Features(self._mean(T, modes), prior, residual)
 
     def slopes(self, t: Array, modes: int) -> Features:
-        """Return those of T_m damped by its alias; kernel and unknown part are sums of products T(x) T(y)."""
+        """Return the derivatives of the means' features at t, (B,), and the prior and unknown variance of a slope."""
         T = chebyshev.polynomials(t, len(self.decay))
         S = chebyshev.slopes(t, T)
         n, rows = self.levels, np.arange(self._first_damped, max(modes, self._first_damped))

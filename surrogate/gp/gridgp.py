@@ -1,10 +1,8 @@
-"""Exact Gaussian processes on complete factorial grids: product kernels, no N^3 and no N-sized work per query.
+"""Exact Gaussian processes with product kernels on complete factorial grids.
 
-Hyper-parameters follow from leaving one level of one factor out, which decouples the factors. With the whole slab of
-cases at one level of factor f left out and the other factors at their levels, the predictive error follows from the
-factor's own kernel matrix alone (Rasmussen and Williams, section 5.4.2, applied to one factor): e_i = [K^-1 y]_i /
-[K^-1]_ii with variance 1 / [K^-1]_ii. Their sums over the slab need only the n x n matrix G = C C^T of the data's
-coefficients C along the factor.
+Hyper-parameters follow from leaving out all cases at one level of one factor. Their errors depend on that factor's
+kernel matrix only (Rasmussen and Williams, section 5.4.2): e_i = [K^-1 y]_i / [K^-1]_ii with variance 1 / [K^-1]_ii.
+Sums over these cases need only the Gram matrix G = C C^T, (n, n), of the data's coefficients C along the factor.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,9 +22,8 @@ from surrogate.gp.correction import Correction, correct
 from surrogate.gp.factors import Factor, Features, cosine_basis
 from surrogate.gp.tensortrain import TensorTrain, compress
 
-# Largest share of the variation along a factor that its amplitude may claim, and the steps of the first, coarse search.
-SHARE_LIMIT = 0.9
-COARSE = 25
+SHARE_LIMIT = 0.9  # largest share of the variation along a factor that its amplitude may claim
+COARSE = 25  # points of the first, coarse search
 
 
 def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
@@ -39,15 +36,12 @@ def level_errors(factor: Factor, grams: Array) -> tuple[Array, Array]:
 
 
 def most_predictive(levels: int, grams: Array) -> Factor:
-    """Return the factor whose parameter maximises the leave-one-level-out predictive density, summed over outputs.
-
-    The kernel has unit variance averaged over the levels, as the standardised outputs have, so that its decay follows
-    the size of the errors: the mean hardly depends on it. `grams` are C C^T of every output along it, (p, n, n).
-    """
+    """Return the factor whose rho maximises the leave-one-level-out density of all outputs, from `grams` (p, n, n)."""
 
     def cost(logarithm: float) -> float:
         factor = Factor(levels, float(np.exp(logarithm)))
         errors, variances = level_errors(factor, grams)
+        # of a kernel with the outputs' unit variance, averaged over the levels: its decay follows the errors' size
         variances = variances / (1 + factor.features(factor.t, 1).prior.mean())
         return float(np.mean(errors / variances) + np.mean(np.log(variances)))
 
@@ -60,11 +54,9 @@ def most_predictive(levels: int, grams: Array) -> Factor:
 
 
 def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array, Array]:
-    """Return the amplitude of every factor and output, (d, p), and the variance of every output, (p,).
+    """Return amplitudes, (d, p), that predict the size of the leave-one-level-out errors, and variances, (p,).
 
-    The mean does not depend on either. With standardised outputs, prior variance averaged over the levels is 1, and the
-    amplitude of a factor makes its leave-one-level-out errors as large as predicted. `grams` are C C^T of every output
-    along each factor, (p, n, n).
+    The prior variance averaged over the levels is 1; the mean depends on neither. grams: (p, n, n) for every factor.
     """
     outputs = len(grams[0])
     ratios, sizes = np.empty((len(factors), outputs)), np.empty(len(factors))
@@ -73,7 +65,7 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
         ratios[f] = (errors / variances).mean(axis=1)
         sizes[f] = factor.features(factor.t, 1).prior.mean()
         if factor.affine:
-            # two levels carry no error to learn from: take the share of the slope
+            # two levels have no leave-one-level-out error: take the share of the slope
             ratios[f] = gram[:, 1, 1] / np.maximum(np.trace(gram, axis1=1, axis2=2), np.finfo(float).tiny) / sizes[f]
     share = ratios * sizes[:, None]
     limited = np.minimum(share, SHARE_LIMIT)
@@ -84,10 +76,8 @@ def amplitudes(factors: Sequence[Factor], grams: Sequence[Array]) -> tuple[Array
     return amplitude, variance
 
 
-#: The factor kernel, as files name it.
-KERNEL = "chebyshev"
-# As good as the end of a decay: an affine factor has no parameter to tell it.
-AFFINE_DECAY = 1e-3
+KERNEL = "chebyshev"  # name of the factor kernel in files
+AFFINE_DECAY = 1e-3  # rho of an affine factor in the correction of the mean
 
 
 class GridGP(GaussianProcess):
@@ -177,7 +167,7 @@ class GridGP(GaussianProcess):
         return self
 
     def _choose(self, grams: Sequence[Array]) -> None:
-        """Choose the factors' kernels and the variance, from the coefficients' Gram matrices, a case at a level."""
+        """Choose the factors' kernels and the variance from Gram matrices, (p, n, n), per case of a level."""
         self.factors_ = tuple(self._factor(*pair) for pair in zip(self.inputs_, grams, strict=True))
         self.hyperparameters_ = {
             input_.name: f.parameter for input_, f in zip(self.inputs_, self.factors_, strict=True)
@@ -185,11 +175,7 @@ class GridGP(GaussianProcess):
         self.amplitude_, self.variance_ = amplitudes(self.factors_, grams)
 
     def _coefficients(self, data: Factorial) -> tuple[list[Array], list[Array]]:
-        """Standardise every output and take it to the factors' bases.
-
-        Returns the coefficients of every output, without the highest modes of a factor as long as the sum of their
-        squares stays small, and the Gram matrices of all along every factor, (p, n, n), a case at a level.
-        """
+        """Return the standardised outputs' significant coefficients, and every factor's Gram matrices (p, n, n)."""
         bases = [cosine_basis(len(levels))[0] for levels in data.levels]
         self.offset_, self.scale_ = np.empty(len(data.outputs)), np.empty(len(data.outputs))
         grams = [np.empty((len(data.outputs), *basis.shape)) for basis in bases]
@@ -200,7 +186,7 @@ class GridGP(GaussianProcess):
             tails = [np.cumsum(np.diag(gram)[::-1])[::-1] for gram in output_grams]
             sizes = [max(1, int(np.count_nonzero(tail > self._allowed() / len(bases)))) for tail in tails]
             significant.append(coefficients[tuple(map(slice, sizes))].copy())
-        for gram in grams:
+        for gram in grams:  # per case of a level
             gram /= self._places() / gram.shape[1]
         return significant, grams
 
@@ -209,14 +195,14 @@ class GridGP(GaussianProcess):
         return int(np.prod([len(levels) for levels in self.levels_]))
 
     def _allowed(self) -> float:
-        """Squared error allowed to dropping high modes, and as much again to the tensor train."""
+        """Sum of squared errors allowed for dropping high modes, and again for the tensor train."""
         return self.compression**2 * self._places() / 2
 
     def _factor(self, factor_input: Input, grams: Array) -> Factor:
         rho, levels = (self.hyperparameters or {}).get(factor_input.name), grams.shape[1]
         if rho is None and levels > 2:
             return most_predictive(levels, grams)
-        return Factor(levels, 0.5 if rho is None else rho)  # of two levels, affine, rho has no part
+        return Factor(levels, 0.5 if rho is None else rho)  # a factor of two levels does not depend on rho
 
     @override
     def state(self) -> xr.Dataset:
@@ -265,7 +251,7 @@ class GridGP(GaussianProcess):
         return model
 
     def only(self, outputs: Sequence[str]) -> Self:
-        """Return the model of some outputs; means agree within `compression`, and cost less to ask for."""
+        """Return the model of these outputs, with cheaper queries and means that agree within `compression`."""
         columns = [self.outputs_.index(name) for name in outputs]
         part = copy(self)
         part.outputs_, part.attrs_ = tuple(outputs), {name: self.attrs_[name] for name in outputs}
@@ -285,7 +271,7 @@ class GridGP(GaussianProcess):
         return part
 
     def _thin(self, columns: Sequence[int], errors: Array) -> None:
-        """Cut the ranks of the train of some outputs, each to its error in standard deviations."""
+        """Cut the ranks of the train of `columns` to an error of every output, in its standard deviations."""
         weights = [self.factors_[k].weights[:size] for k, size in zip(self.order_, self.train_.modes, strict=True)]
         plain = self.train_.scaled([1 / scale for scale in weights])
         least = np.maximum(errors, 1e-15)
@@ -295,7 +281,7 @@ class GridGP(GaussianProcess):
 
     @property
     def parts(self) -> int:
-        """Number of parts of the variance: one a factor."""
+        """Number of parts of the variance: one per factor."""
         return len(self.inputs_)
 
     @override
@@ -323,7 +309,7 @@ class GridGP(GaussianProcess):
 
     @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
-        """Learn the correction of the means, see `surrogate.gp.correction`."""
+        """Learn the correction of the means (`surrogate.gp.correction`) and return the remaining errors, (p, n)."""
         decays = [AFFINE_DECAY if factor.affine else factor.parameter for factor in self.factors_]
         self.correction_, left = correct(errors, t, tuple(map(len, self.levels_)), decays, groups)
         return left
@@ -336,11 +322,10 @@ class GridGP(GaussianProcess):
         return np.stack([self._variance(features, weights, (k, slope)) for k, slope in enumerate(slopes)])
 
     def _variance(self, features: list[Features], weights: Array, slope: tuple[int, Features] | None = None) -> Array:
-        """Return the variance, (p, B), of the means, or of their slopes along a factor, its parts weighted by (d, p).
+        """Return the variance, (p, B), of the means or, with a factor's `slope`, of their derivatives along it.
 
-        prod_f k_f - prod_f q_f with q_f = k_f - r_f known and r_f unknown parts is the sum over factors of
-        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. It is linear in what every factor brings, so
-        that with the slopes of one factor in place of its features it is the variance of the derivative.
+        With k_f = q_f + r_f, the known and the unknown part of factor f, prod_f k_f - prod_f q_f is the sum over f of
+        q_1 .. q_{f-1} r_f k_{f+1} .. k_d: no cancellation, never negative. weights: (d, p), of its terms.
         """
         shape = (len(self.outputs_), len(features[0].prior))
         unknown, known = np.zeros(shape), np.ones(shape)
@@ -361,15 +346,12 @@ class GridGP(GaussianProcess):
 
 
 def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) -> tuple[Array, float, float]:
-    """Standardise an output (n_1, ..., n_d): return its coefficients in the factors' bases, its mean and its deviation.
-
-    The coefficients' products along every factor are written into `grams`, (n_f, n_f).
-    """
+    """Return a standardised output's coefficients (n_1, ..., n_d), its mean and deviation; fill `grams`, (n_f, n_f)."""
     offset = float(values.mean())
     residual: Any = values - offset
     spread = float(np.sqrt(np.vdot(residual, residual) / values.size))
     scale = spread if spread > 0 else 1.0
-    # each product transforms the leading axis and moves it to the end, so after all of them the order is the old one
+    # each product transforms the leading axis and moves it to the end, so that all of them restore the order
     for basis, gram in zip(bases, grams, strict=True):
         residual = residual.reshape(len(basis), -1).T @ (basis / scale)
         gram[...] = residual.T @ residual
@@ -378,11 +360,9 @@ def standardised(values: Array, bases: Sequence[Array], grams: Sequence[Array]) 
 
 
 def joined(coefficients: Sequence[Array]) -> tuple[tuple[int, ...], Array]:
-    """Join the outputs' coefficients to one tensor, outputs last, and say in which order its factors stand.
-
-    Contracting the largest factors first keeps the ranks of its tensor train, hence the cost of a query, small.
-    """
+    """Return the order of the factors, most modes first, and the outputs' coefficients as one tensor, outputs last."""
     modes = np.max([part.shape for part in coefficients], axis=0)
+    # contracting the largest factors first keeps the ranks of the tensor train, hence the cost of a query, small
     order = tuple(np.argsort(-modes, kind="stable").tolist())
     tensor = np.zeros((*modes, len(coefficients)))
     for p, part in enumerate(coefficients):

@@ -1,13 +1,13 @@
-"""Cases that a factorial lacks, filled in by the process of its grid: there K^-1 y is then zero.
+"""Missing cases of a factorial, filled in by the posterior mean of its grid's Gaussian process.
 
-K is a product over the factors, and so is its inverse: what the process expects at m places given all others are the
-values z of K^-1[m, m] z = -K^-1[m, rest] y[rest] (C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine
-Learning (2006), section A.2). The kernels' parameters follow from the whole grid, and are found anew with these values.
+The values z at the missing places m solve K^-1[m, m] z = -K^-1[m, rest] y[rest] (C. E. Rasmussen and C. K. I. Williams,
+Gaussian Processes for Machine Learning (2006), section A.2). The kernels' parameters follow from the filled grid, so
+both are found in turn.
 
-Of the Chebyshev kernel the inverse is beyond all numbers: z then makes |K^-1/2 y|^2 least, whose rows, one a mode of
-the grid, weigh as the modes decay. Householder's triangles with columns exchanged keep every row's digits where the
-heaviest stand first (A. J. Cox and N. J. Higham, Stability of Householder QR factorization for weighted least squares
-problems (1998)). Factors on which it does not depend what is missing fall out of K: all along them is solved at once.
+The inverse of the Chebyshev kernel overflows. Instead z minimises |K^-1/2 y|^2, weighted least squares with one row per
+mode of the grid. Householder QR with column pivoting keeps the digits of every row if the heaviest rows come first
+(A. J. Cox and N. J. Higham, Stability of Householder QR factorization for weighted least squares problems (1998)).
+Factors along which the same places are missing fall out of K and are solved together.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,18 +21,15 @@ from approximation.arrays import Array, Flags
 from surrogate.gp.factors import Factor
 from surrogate.gp.gridgp import GridGP
 
-#: Most places that are filled in together, fits of the process to the filled grid, and the change over range that
-#: ends them.
-MOST, ROUNDS, STILL = 2000, 4, 1e-9
-#: Most numbers of the least squares' matrix; where all modes have no room in it, the lightest are left out, but for so
-#: many to each place.
+MOST = 2000  # missing places along the dependent factors
+ROUNDS, STILL = 4, 1e-9  # fits of the process to the filled grid, and the change over range that ends them
+# Most numbers of the least-squares matrix, but for so many rows per missing place; the lightest rows are left out
 _ROOM, _ROWS = 2**24, 4
-#: The logarithm of the least weight of a row over the largest.
-_LIGHTEST = -300.0
+_LIGHTEST = -300.0  # logarithm of the least weight of a row over the largest
 
 
 def fit(make: Callable[[], GridGP], data: xr.Dataset, missing: Flags) -> GridGP:
-    """Fit a grid's process to a factorial that lacks some cases."""
+    """Fit a grid's process to a factorial without the cases that `missing`, (n_1, ..., n_d), marks."""
     nearest = tuple(distance_transform_edt(missing, return_distances=False, return_indices=True))
     data = data.map(lambda array: array.copy(data=array.values[nearest]))
     model = make().fit(data)
@@ -65,16 +62,14 @@ def expected(factors: Sequence[Factor], values: Array, missing: Flags) -> Array:
     moved = values.transpose(*order, -1)
     columns = moved.reshape(*inner.shape, -1)
     known = np.where(inner[..., None], 0.0, columns)
-    parts = [factors[k] for k in dependent]
-    filling = _of_modes(parts, known, inner)
     whole = np.zeros(columns.shape)
-    whole[inner] = filling
+    whole[inner] = _of_modes([factors[k] for k in dependent], known, inner)
     back = whole.reshape(moved.shape).transpose(*np.argsort(order), -1)
     return np.asarray(back[missing])
 
 
 def _of_modes(factors: Sequence[Factor], known: Array, missing: Flags) -> Array:
-    """Return the posterior mean of Chebyshev kernels, computed from the weights of their modes."""
+    """Return the posterior mean at the missing places, (m, columns), by weighted least squares over the modes."""
     count = int(np.count_nonzero(missing))
     weights = np.zeros(missing.shape)  # logarithms
     for axis, factor in enumerate(factors):

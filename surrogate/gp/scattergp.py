@@ -1,7 +1,6 @@
-"""Gaussian processes on scattered cases: scikit-learn's regressors with the Chebyshev kernel, one an output.
+"""Gaussian processes on scattered cases: one scikit-learn regressor per output, with the Chebyshev kernel.
 
-The Chebyshev kernel is the product over inputs of 1 + first_j sum_{0<m<=DEGREE} rho_j^(m-1) T_m(x) T_m(y): that of the
-grid, whose sum ends with its levels.
+The kernel is the product over inputs j of 1 + first_j sum_{0<m<=DEGREE} rho_j^(m-1) T_m(x) T_m(y).
 """
 
 import warnings
@@ -24,31 +23,29 @@ from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Normal
 
-# Highest degree of the kernel: an input that needs more is left to the noise.
-DEGREE = 128
-# Ranges of the parameters: coefficient of T_1 relative to that of the constant, and decay.
-FIRST, RHO = (1e-6, 1e3), (1e-3, 0.97)
-VARIANCES, NOISE = (1e-6, 1e6), (1e-12, 1e1)  # of signal and noise, relative to the output's variance
+DEGREE = 128  # highest degree of the kernel; variation along an input beyond it counts as noise
+FIRST, RHO = (1e-6, 1e3), (1e-3, 0.97)  # ranges of the parameters first_j and rho_j
+VARIANCES, NOISE = (1e-6, 1e6), (1e-12, 1e1)  # ranges of signal and noise, relative to the output's variance
 
 
 class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
-    """The Chebyshev kernel on [-1, 1]^d, parameters (d,); coordinates beyond count as those of the nearest end."""
+    """The Chebyshev kernel on [-1, 1]^d with parameters (d,); coordinates beyond the ends are clipped."""
 
     def __init__(self, first: Array, rho: Array) -> None:
         self.first, self.rho = first, rho
 
     @property
     def hyperparameter_first(self) -> Hyperparameter:
-        """Coefficients of T_1, as scikit-learn reads them."""
+        """Range of the coefficients of T_1, for scikit-learn."""
         return Hyperparameter("first", "numeric", FIRST, np.size(self.first))
 
     @property
     def hyperparameter_rho(self) -> Hyperparameter:
-        """Decays, as scikit-learn reads them."""
+        """Range of the decays, for scikit-learn."""
         return Hyperparameter("rho", "numeric", RHO, np.size(self.rho))
 
     def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
-        """Return the kernel between points (n, d) and (m, d), and its slopes by the logarithms of the parameters."""
+        """Return the kernel between points (n, d) and (m, d), and its derivatives by the parameters' logarithms."""
         first, decay, by_rho = self._weights()
         left, right = _polynomials(X), _polynomials(X if Y is None else Y).swapaxes(1, 2)
         sums = first * (left @ (decay * right))
@@ -80,20 +77,20 @@ class Chebyshev(Kernel):  # type: ignore[misc]  # untyped
         return np.asarray(_others(self._diagonals(X)) * (first * (_derivatives(X) ** 2 @ decay))[..., 0])
 
     def _weights(self) -> tuple[Array, Array, Array]:
-        """Coefficients of T_1, (d, 1, 1), decays of the others, and rho times the slopes of these, (d, degree, 1)."""
+        """Return `first`, (d, 1, 1), the powers of rho, and their derivatives by its logarithm, (d, DEGREE, 1) each."""
         first, rho = (np.reshape(part, (-1, 1, 1)) for part in (self.first, self.rho))
         power = np.arange(DEGREE)[:, None]
         decay = rho**power
         return first, decay, power * decay
 
     def _diagonals(self, X: Array) -> Array:
-        """Factors of the kernel of every point (n, d) with itself, (d, n)."""
+        """Return the factors of the kernel of every point (n, d) with itself, (d, n)."""
         first, decay, _ = self._weights()
         return np.asarray(1 + (first * (_polynomials(X) ** 2 @ decay))[..., 0])
 
 
 class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
-    """Noise of the cases that a process is fitted to: its variance is divided by a case's weight, of weights (n,)."""
+    """Noise of the training cases, whose variance is divided by the weights (n,) of the cases."""
 
     def __init__(
         self, noise_level: float = 1e-4, noise_level_bounds: tuple[float, float] = NOISE, weights: Array | None = None
@@ -102,7 +99,7 @@ class Noise(WhiteKernel):  # type: ignore[misc]  # untyped
         self.weights = weights
 
     def __call__(self, X: Array, Y: Array | None = None, eval_gradient: bool = False) -> Any:
-        """Return the covariance of the noise, (n, n) of the cases, zero between them and other points."""
+        """Return the covariance of the noise, (n, n), zero between the cases and other points."""
         kernel = super().__call__(X, Y, eval_gradient)
         if Y is not None or self.weights is None:
             return kernel
@@ -119,7 +116,7 @@ def whole(inputs: int, weights: Array | None = None) -> Kernel:
 
 
 def _others(factors: Array) -> Array:
-    """Return the products of all other factors, one a factor: (d, ...)."""
+    """Return for every factor the product of all others, (d, ...)."""
     ones = np.ones_like(factors[:1])
     before = np.multiply.accumulate(np.concatenate([ones, factors[:-1]]))
     after = np.multiply.accumulate(np.concatenate([ones, factors[:0:-1]]))[::-1]
@@ -127,19 +124,19 @@ def _others(factors: Array) -> Array:
 
 
 def _polynomials(X: Array) -> Array:
-    """Return T_1 .. T_DEGREE of the coordinates of points (n, d), beyond [-1, 1] those of its end: (d, n, DEGREE)."""
+    """Return T_1 .. T_DEGREE of the coordinates of points (n, d), clipped to [-1, 1]: (d, n, DEGREE)."""
     return np.moveaxis(products.polynomials(np.clip(X.T, -1, 1), DEGREE + 1)[1:], 0, -1)
 
 
 def _derivatives(X: Array) -> Array:
-    """Return the derivatives of the polynomials there, (d, n, DEGREE)."""
+    """Return the derivatives of `_polynomials`, (d, n, DEGREE)."""
     t = np.clip(X.T, -1, 1)
     return np.moveaxis(products.derivatives(t, products.polynomials(t, DEGREE + 1))[1:], 0, -1)
 
 
-#: Cases from which the kernel's parameters are learnt, and cases of a process: the cost grows with their cube.
+#: Most cases from which the kernel's parameters are learnt, and of a process: the cost grows with their cube.
 SUBSET, MOST = 500, 3000
-#: End of the Chebyshev kernel in half-widths of the box: cases up to an eighth of the width outside are answered by it.
+#: Half-width of the kernel's range in half-widths of the box, so that it covers points just outside of the box.
 REACH = 1.25
 _ITERATIONS = 25  # of the search for the most likely parameters
 
@@ -147,10 +144,10 @@ _ITERATIONS = 25  # of the search for the most likely parameters
 class ScatterGP(GaussianProcess):
     """Gaussian process on scattered cases, any number of outputs.
 
-    Every output is a regressor of scikit-learn. The kernel is the Chebyshev kernel of `GridGP` on a box that is a
-    quarter wider, with noise that is estimated; of more than 500 cases, its parameters are those of 500 random ones.
-    Deviations are those of a new case, with its noise: they are widened until the 95 % intervals of left-out cases
-    hold, and grow outside of the box. `_std` of a gradient has no noise in it.
+    Every output is a scikit-learn regressor with the Chebyshev kernel on a box that is a quarter wider, and estimated
+    noise. More than 500 cases have the kernel's parameters of 500 random ones. Standard deviations are those of a new
+    case, noise included, widened until the 95 % intervals of left-out cases hold; they grow outside of the box. The
+    `_std` of a gradient has no noise.
 
     Parameters
     ----------
@@ -159,14 +156,14 @@ class ScatterGP(GaussianProcess):
     outputs : sequence of str, optional
         Outputs, by default the variables that are not `inputs`. One of the two must be given.
     nugget : float
-        Added to the diagonal, relative to the variance of the output, beside the noise that is estimated.
+        Added to the diagonal, relative to the variance of the output, besides the estimated noise.
     random_state : int
         Seed of the choice of the cases from which the kernel's parameters are learnt.
 
     Attributes
     ----------
     regressors_ : list of GaussianProcessRegressor
-        The fitted regressors, one an output.
+        The fitted regressors, one per output.
 
     Examples
     --------
@@ -207,13 +204,13 @@ class ScatterGP(GaussianProcess):
         X : Dataset
             One dimension (such as `case`); inputs and outputs are variables over it.
         weights : ndarray, shape (n,), optional
-            How many cases each counts as: what the variance of its noise is divided by, all of them positive.
+            Positive numbers of cases that each counts as: the variance of its noise is divided by them.
 
         Raises
         ------
         ValueError
             A data set of other dimensions, missing variables, values that are not finite, a case outside the box, more
-            than 3,000 cases; one line that names it.
+            than 3,000 cases.
         """
         inputs, names = self._roles(X)
         columns = {name: _column(X, name) for name in [*(input_.name for input_ in inputs), *names]}
@@ -237,9 +234,9 @@ class ScatterGP(GaussianProcess):
         return self
 
     def _most_likely(self, subset: Indices, values: Array) -> Array:
-        """Return the most likely parameters of the kernel for some of the cases, as logarithms."""
+        """Return the logarithms of the kernel's most likely parameters for the cases `subset`."""
         kernel = whole(len(self.inputs_), None if self.weights_ is None else self.weights_[subset])
-        if np.ptp(values[subset]) == 0:  # nothing tells the parameters
+        if np.ptp(values[subset]) == 0:  # the parameters have no influence
             return np.asarray(kernel.theta)
         with warnings.catch_warnings():
             # a parameter at its bound means an output that is flat or linear along an input, which is no fault
@@ -248,7 +245,7 @@ class ScatterGP(GaussianProcess):
         return np.asarray(fitted.kernel_.theta)
 
     def _condition(self, thetas: Sequence[Array]) -> None:
-        """Condition the processes of given parameters on the cases."""
+        """Condition the processes with parameters `thetas`, one array per output, on all cases."""
         kernel, X = whole(len(self.inputs_), self.weights_), self._scaled(self.points_)
         self.regressors_ = [
             self._regressor(kernel.clone_with_theta(theta), None).fit(X, values)
@@ -310,13 +307,13 @@ class ScatterGP(GaussianProcess):
 
     @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
-        """Return means and variances; beyond the kernel's end a mean stays, and its deviation grows by its slope."""
+        """Return means and variances; beyond the kernel's range means stay and deviations grow with the prior slope."""
         X = t.T / REACH
         if weights is None:
             mean = np.stack([regressor.predict(X) for regressor in self.regressors_])
             return mean, np.zeros_like(mean)
         with warnings.catch_warnings():
-            # at a training point the variance is zero up to rounding, and scikit-learn warns of its sign
+            # at a training point the variance is zero up to rounding, and scikit-learn warns of a negative one
             warnings.filterwarnings("ignore", message="Predicted variances smaller than 0")
             pairs = [regressor.predict(X, return_std=True) for regressor in self.regressors_]
         variance = np.stack([std**2 for _, std in pairs])
@@ -359,17 +356,15 @@ def _least(cost: Callable[[Array], tuple[float, Array]], start: Array, bounds: A
 
 
 def _process(regressor: GaussianProcessRegressor) -> tuple[float, Chebyshev]:
-    """Return the variance of a regressor's process in units of its output, and its correlation."""
+    """Return the variance of a regressor's process, in squared units of its output, and its correlation kernel."""
     signal = regressor.kernel_.k1
     return float(signal.k1.constant_value) * float(regressor._y_train_std) ** 2, signal.k2
 
 
 def _stretch(regressor: GaussianProcessRegressor) -> float:
-    """Return the factor by which 95 % intervals of every case, left out, hold it: at least 1.
-
-    Left-out errors over their deviations: Rasmussen and Williams (2006), equation 5.12.
-    """
+    """Return the factor >= 1 on standard deviations at which the 95 % intervals of left-out cases hold."""
     inverse = cho_solve((regressor.L_, True), np.eye(len(regressor.L_)))
+    # left-out errors over their deviations: Rasmussen and Williams (2006), equation 5.12
     scores = np.sort(np.abs(regressor.alpha_) / np.sqrt(np.diag(inverse)))
     rank = min(len(scores), int(np.ceil(NOMINAL * (len(scores) + 1))))
     return max(1.0, float(scores[rank - 1] / Normal().ends(NOMINAL)[1, 0]))

@@ -1,8 +1,4 @@
-"""Tensor trains: a coefficient tensor compressed to a stated tolerance, evaluated factor by factor.
-
-I. V. Oseledets, Tensor-train decomposition, SIAM J. Sci. Comput. 33 (2011) 2295, algorithm 1. The output index is the
-last mode, so that one pass gives every output.
-"""
+"""Tensor trains: coefficient tensors compressed to an error (I. V. Oseledets, SIAM J. Sci. Comput. 33 (2011) 2295)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,9 +10,9 @@ from approximation.arrays import Array
 
 @dataclass(frozen=True)
 class TensorTrain:
-    """A tensor over d factors and p outputs as d cores."""
+    """A tensor over d factors and p outputs as d cores, so that one pass evaluates every output."""
 
-    cores: tuple[Array, ...]  # Core k has shape (r_k, modes_k, r_{k+1}), with r_0 = 1 and r_d = p
+    cores: tuple[Array, ...]  # core k has shape (r_k, modes_k, r_{k+1}), with r_0 = 1 and r_d = p
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -24,7 +20,7 @@ class TensorTrain:
         return tuple(core.shape[1] for core in self.cores)
 
     def check(self, sizes: Sequence[int], outputs: int) -> None:
-        """Raise ValueError unless the cores chain up to the given sizes."""
+        """Raise ValueError unless the cores' shapes fit each other, the factors' sizes and the number of outputs."""
         rank = 1
         for k, (core, size) in enumerate(zip(self.cores, sizes, strict=True)):
             if core.ndim != 3 or core.shape[0] != rank or not 1 <= core.shape[1] <= size:
@@ -34,14 +30,14 @@ class TensorTrain:
             raise ValueError(f"the last core gives {rank} outputs, not {outputs}")
 
     def evaluate(self, features: Sequence[Array]) -> Array:
-        """Contract with features, one (modes_k, B) array a factor; returns (p, B)."""
+        """Contract with features, (modes_k, B) for every factor: (p, B)."""
         state = None
         for core, feature in zip(self.cores, features, strict=True):
             state = _absorb(state, core, feature)
         return np.asarray(state)
 
     def gradient(self, features: Sequence[Array], slopes: Sequence[Array]) -> Array:
-        """Contract with the features (modes, B) of all factors but one, and the slopes of that one: (d, p, B)."""
+        """Contract with the slopes (modes, B) of each factor in turn and the features of all others: (d, p, B)."""
         states: list[Array | None] = [None]
         for core, feature in zip(self.cores, features, strict=True):
             states.append(_absorb(states[-1], core, feature))
@@ -54,7 +50,7 @@ class TensorTrain:
         return np.stack(parts)
 
     def grams(self) -> list[Array]:
-        """Return, for every factor, the products of the tensor's slices along it, summed over the others: (p, n, n)."""
+        """Return for every factor the Gram matrix of the tensor's slices along it, (p, modes, modes)."""
         outputs = self.cores[-1].shape[2]
         behind = [np.einsum("ip,jp->pij", np.eye(outputs), np.eye(outputs))]
         for core in self.cores[:0:-1]:
@@ -72,18 +68,15 @@ class TensorTrain:
         return TensorTrain(tuple(core * w[:, None] for core, w in zip(self.cores, weights, strict=True)))
 
     def only(self, outputs: Sequence[int], error: float) -> "TensorTrain":
-        """Return the train of some outputs, with ranks cut down.
-
-        Oseledets (2011), algorithm 2: orthogonal from the last core to the first, then cut from the first to the last.
-        """
+        """Return the train of these outputs with ranks cut to a Frobenius norm: Oseledets (2011), algorithm 2."""
         cores = [*self.cores[:-1], self.cores[-1][..., list(outputs)]]
-        for k in range(len(cores) - 1, 0, -1):
+        for k in range(len(cores) - 1, 0, -1):  # orthogonal from the last core to the first
             rank, *trailing = cores[k].shape
             q, r = np.linalg.qr(cores[k].reshape(rank, -1).T)
             cores[k] = q.T.reshape(-1, *trailing)
             cores[k - 1] = cores[k - 1] @ r.T
         allowed = error**2 / max(len(cores) - 1, 1)
-        for k in range(len(cores) - 1):
+        for k in range(len(cores) - 1):  # cut from the first to the last
             rank, size, _ = cores[k].shape
             left, values, right = np.linalg.svd(cores[k].reshape(rank * size, -1), full_matrices=False)
             rank_kept = _kept(values, allowed)
@@ -93,7 +86,7 @@ class TensorTrain:
 
 
 def compress(tensor: Array, error: float) -> TensorTrain:
-    """Compress a tensor (modes_1, ..., modes_d, p) to a stated error."""
+    """Compress a tensor (modes_1, ..., modes_d, p) to a Frobenius norm of the error: Oseledets (2011), algorithm 1."""
     *modes, outputs = tensor.shape
     allowed = error**2 / max(len(modes) - 1, 1)
     cores, remainder, rank = [], tensor, 1
@@ -113,13 +106,13 @@ def compress(tensor: Array, error: float) -> TensorTrain:
 
 
 def _kept(values: Array, allowed: float) -> int:
-    """Number of singular values, descending, without which more than `allowed` would be lost of their squares."""
+    """Return how many of the descending singular values to keep for dropped squares of at most `allowed` in total."""
     dropped = np.cumsum(values[::-1] ** 2)[::-1]
     return max(1, int(np.count_nonzero(dropped > allowed)))
 
 
 def _absorb(state: Array | None, core: Array, feature: Array) -> Array:
-    """Contract a (r, B) state, none at first, and a (modes, B) feature with a (r, modes, s) core: (s, B)."""
+    """Contract a state (r, B), None at first, and a feature (modes, B) with a core (r, modes, s): (s, B)."""
     r, modes, s = core.shape
     product = feature if state is None else (state[:, None, :] * feature).reshape(r * modes, -1)
     return np.asarray(core.reshape(r * modes, s).T @ product)

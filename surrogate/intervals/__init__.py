@@ -1,1 +1,1 @@
-"""Predictive distributions that hold on held-out cases: at every level, and everywhere in the box."""
+"""Predictive distributions, calibrated on held-out cases at every level and everywhere in the box."""

@@ -1,4 +1,4 @@
-"""Calibration of a model on held-out cases: the map from variances to deviations, and its state in files."""
+"""Calibration of a model on held-out cases: the map from variances to standard deviations, and its state in files."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,9 +14,8 @@ from surrogate.intervals.copula import Copula
 from surrogate.intervals.distribution import PROBABILITIES, Tabulated
 from surrogate.intervals.guard import SLABS, Guard, unguarded
 
-#: Least number of cases that a calibration rests on.
-MINIMUM = 40
-MOST_TERMS, MOST_DEGREE = 1000, 64  # that a file may hold
+MINIMUM = 40  # least number of held-out cases
+MOST_TERMS, MOST_DEGREE = 1000, 64  # of a trend in a file
 
 _DIMS = {
     "weights": ("part", "output"),
@@ -28,7 +27,7 @@ _DIMS = {
     "corner_guard": ("pair", "edge", "other_edge", "output"),
     "quantile": ("probability", "output"),
 }
-# Of a model over groups: the same over the inputs that it is asked by.
+# The guard of a model over groups, over that model's inputs.
 _OUTER_DIMS = {
     "outer_guard": ("outer_input", "slab", "output"),
     "outer_corner_guard": ("outer_pair", "edge", "other_edge", "output"),
@@ -40,28 +39,22 @@ _OUTER_DIMS = {
 class Calibration:
     """Map from a raw variance to a calibrated standard deviation and distribution."""
 
-    weights: Array  # shape (k, p); Weight of every part of the variance, for every output
-    floor: Array  # shape (p,); Variance added everywhere, squared units of the output
-    trend: Array  # shape (m, p); Coefficients of the logarithm of the local scale
-    # shape (m, d); Degrees of the Chebyshev polynomials of the scaled inputs whose product each of its terms is; the
-    # first ones are zero
-    trend_degree: Indices
-    # shape (2, p); Least and largest of that logarithm at the cases: a polynomial does not go beyond them where cases
-    # are few
-    trend_range: Array
-    guard: Guard  # Further scales in slabs and corners of the box
-    distribution: Tabulated  # Distribution of (truth - mean) / std
-    # Further scales over the inputs of a model that stands on this one. That model applies them: `std` and `stretch`
-    # do not know its inputs.
-    outer: Guard | None = None
-    copula: Copula | None = None  # How errors of outputs and points go together; None in files of before
+    weights: Array  # shape (k, p); weight of every part of the variance, for every output
+    floor: Array  # shape (p,); variance added everywhere, squared units of the output
+    trend: Array  # shape (m, p); coefficients of the logarithm of the local scale
+    trend_degree: Indices  # shape (m, d); Chebyshev degrees of its terms in the scaled inputs, all 0 in the first
+    trend_range: Array  # shape (2, p); its least and largest values at the cases, beyond which it is clipped
+    guard: Guard  # further scales in slabs and corners of the box
+    distribution: Tabulated  # distribution of (truth - mean) / std
+    outer: Guard | None = None  # further scales over the inputs of a model that wraps this one; that model applies them
+    copula: Copula | None = None  # joint distribution of errors; None in older files
 
     def std(self, variance: Array, t: Array) -> Array:
         """Return calibrated standard deviations of weighted variances, (p, B) each, at scaled coordinates t, (d, B)."""
         return np.asarray(np.sqrt(variance + self.floor[:, None]) * self.stretch(t))
 
     def stretch(self, t: Array) -> Array:
-        """Return what raw standard deviations are multiplied by at scaled coordinates (d, B): (p, B)."""
+        """Return the factors on raw standard deviations at scaled coordinates (d, B): (p, B)."""
         inside = np.clip(t, -1, 1)
         scale = self.trend.T @ products.values(self.trend_degree, inside)
         np.clip(scale, *self.trend_range[..., None], out=scale)
@@ -69,7 +62,7 @@ class Calibration:
         return np.asarray(np.exp(scale, out=scale))
 
     def only(self, columns: Sequence[int]) -> Self:
-        """Return that of some outputs."""
+        """Return the calibration of the outputs `columns`."""
         chosen = list(columns)
         return replace(
             self,
@@ -93,7 +86,7 @@ class Calibration:
         return {**plain, **guard, "quantile": self.distribution.quantiles}
 
     def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
-        """Return the arrays with their dimensions, for a file: none that is empty, as the corners of one input."""
+        """Return the arrays that are not empty with their dimensions, for a file."""
         state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
             f"calibration_{name}": ((_DIMS | _OUTER_DIMS)[name], array)
             for name, array in self.arrays().items()
@@ -134,13 +127,13 @@ class Calibration:
 
 
 def _outer(stored: xr.Dataset, outputs: int) -> Guard | None:
-    """The outer guard in a file, None where it has none; ValueError where it does not fit."""
+    """Return the outer guard in a file, None where it has none; ValueError where it does not fit."""
     outer = {name: stored[f"calibration_{name}"].values for name in _OUTER_DIMS if f"calibration_{name}" in stored}
     if not outer:
         return None
     guard, pooled = (outer.get(name, np.zeros(0)) for name in ("outer_guard", "outer_pooled_guard"))
     empty = unguarded(len(guard), outputs, pooled=True)
-    corners = outer.get("outer_corner_guard", empty.corners)  # none of one input
+    corners = outer.get("outer_corner_guard", empty.corners)  # one input has no corners
     if (guard.shape, corners.shape, pooled.shape) != (empty.slabs.shape, empty.corners.shape, (outputs,)):
         raise ValueError("the calibration's outer guard does not fit the model")
     return Guard(guard, corners, pooled)

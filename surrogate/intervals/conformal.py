@@ -1,17 +1,15 @@
-"""Predictive distributions that hold: made right on held-out cases, everywhere in the box and at every level.
+"""Calibration of predictive distributions on held-out cases, in five steps.
 
-Five steps, each from the errors on cases that the model was not trained on:
-
-1. weights of the parts of the variance (what each factor leaves unknown) and a floor, by maximum likelihood;
-2. a local scale, the exponential of a polynomial of the scaled inputs, additive but for the two inputs in which the
-   errors are waves, such that the nominal share of the errors lies within it (quantile regression of their logarithms);
-3. a guard (module `guard`): slabs and corners of the box where this share needs more, from cross-fitted scores;
-4. the distribution of the scores (module `distribution`), of which the standard deviation is half of the central 68 %;
-5. how scores of outputs and of near points go together (module `copula`).
+1. Maximum likelihood gives the weights of the variance's parts and a floor.
+2. A local scale is the exponential of a polynomial of the scaled inputs, additive but for the two inputs in which the
+   errors are waves. Quantile regression of the errors' logarithms puts the nominal share of the errors within it.
+3. A guard (module `guard`) widens slabs and corners of the box in which cross-fitted scores exceed this share.
+4. The distribution of the scores (module `distribution`) has as standard deviation half of the central 68 %.
+5. A copula describes how scores of outputs and of near points depend on each other (module `copula`).
 
 Sources: J. Lei et al., J. Am. Stat. Assoc. 113 (2018) 1094 (locally weighted split conformal prediction); V. Vovk, Ann.
-Math. Artif. Intell. 74 (2015) 9 (cross-conformal).
-The cross-fitting and the guard make the guarantee approximate; `use.validation.validate` measures it on fresh cases.
+Math. Artif. Intell. 74 (2015) 9 (cross-conformal). Cross-fitting and guard make the guarantee approximate;
+`use.validation.validate` measures it on fresh cases.
 """
 
 from collections.abc import Sequence
@@ -30,22 +28,17 @@ from surrogate.intervals.distribution import NOMINAL, ONE_STD, PROBABILITIES, No
 from surrogate.intervals.guard import fill, places, unguarded
 
 FOLDS = 5
-# Highest degree of the local scale along an input by the number of cases, and beyond these one more for so many places
-# of them along it and inputs. What a correction leaves has some twenty nodes along an input of ten levels.
+# Number of cases and highest degree of the local scale along an input. Further degrees, up to HIGHEST, need so many
+# distinct values of the input per degree and input: a correction leaves some twenty nodes along an input of ten levels.
 DEGREES = ((100, 2), (300, 4), (1000, 6))
 PLACES_A_DEGREE, HIGHEST = 125, 16
-# Cases from which on the local scale has the product of every two inputs, and products of higher total degree of the
-# two whose products tell most of the errors beyond it: these by so many times what they would tell by chance.
-PAIRWISE, WAVES = 3000, 5000
-TOTAL, TELLING = 8, 3.0
-# Logarithms of errors are cut off this far below the largest: exact hits carry no further information.
-DEPTH = 20.0
-# The smoothing ends at this share of the residuals' upper spread, where its bias no longer matters.
-BANDWIDTH = 0.1
-# Cases farther away, in widths, are left out of the curvature, which only steers the steps: the gradient has them all.
-FAR = 4.0
-# Keeps at zero what few values tell: in sparse parts of the box a share may lie below whatever is large enough.
-RIDGE = 1.0
+PAIRWISE = 3000  # cases from which on the local scale has the product of every two inputs
+WAVES = 5000  # cases from which on it may have products of two inputs up to the total degree TOTAL
+TOTAL, TELLING = 8, 3.0  # these must explain TELLING times what they would explain by chance
+DEPTH = 20.0  # depth below the largest at which logarithms of errors are cut off: exact hits carry no information
+BANDWIDTH = 0.1  # share of the residuals' upper spread at which the smoothing ends, as its bias no longer matters
+FAR = 4.0  # widths beyond which cases are left out of the curvature, which only steers the steps; the gradient has all
+RIDGE = 1.0  # bounds coefficients in sparse parts of the box, where arbitrarily large ones would hold the share
 
 
 def calibrate(
@@ -58,7 +51,8 @@ def calibrate(
 ) -> Calibration:
     """Calibrate on held-out errors and parts of their variances, (p, n) each, at scaled coordinates t, (d, n).
 
-    Cases belong to groups, (n,); `even`, (n,), marks those drawn evenly; `outer`, (e, n): a wrapping model's inputs.
+    groups: (n,), of cases that share coordinates; even: (n,), marks cases drawn evenly; outer: (e, n), scaled inputs of
+    a wrapping model.
     """
     even = np.ones(t.shape[1], dtype=bool) if even is None else even
     weights, floor, logarithms = _sizes(errors, parts)
@@ -81,7 +75,7 @@ def calibrate(
         logarithms -= outer_guard.at(outer).T
     scores = (np.sign(errors) * np.exp(logarithms))[:, even]
     distribution = _distribution(scores)
-    # in standard deviations from here on
+    # from here on scores are in standard deviations
     size = np.ptp(distribution.ends(ONE_STD), axis=0) / 2
     size = np.where(size > 0, size, 1.0)
     whole[0] += np.log(size)
@@ -92,10 +86,7 @@ def calibrate(
 
 
 def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
-    """Weights of the parts (k, p), floors (p,), and logarithms of errors over the deviation that these give (p, n).
-
-    The latter are NaN for an output without any error.
-    """
+    """Return weights (k, p), floors (p,) and logarithms of errors over deviations, (p, n), NaN without any error."""
     weights, floor = np.ones((len(parts), len(errors))), np.zeros(len(errors))
     logarithms = np.full_like(errors, np.nan)
     for p, error in enumerate(errors):
@@ -112,7 +103,7 @@ def _sizes(errors: Array, parts: Sequence[Array]) -> tuple[Array, Array, Array]:
 
 
 def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Array]:
-    """Degrees of the local scale's terms, (m, d), and its coefficients for logarithms of errors (p, n): (m, p)."""
+    """Return the degrees of the local scale's terms, (m, d), and its coefficients, (m, p), from logarithms (p, n)."""
     distinct, (d, cases) = places(t, groups), t.shape
     few = max((degree for least, degree in DEGREES if cases >= least), default=0)
     degrees = additive([max(few, min(int(count) // (PLACES_A_DEGREE * d), HIGHEST)) for count in distinct])
@@ -131,11 +122,9 @@ def _fitted(logarithms: Array, t: Array, groups: Indices) -> tuple[Indices, Arra
 
 
 def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[tuple[int, int]]) -> Indices | None:
-    """Degrees of the products of the two inputs on which it depends most which errors exceed a scale; None if little.
-
-    A score test (C. R. Rao, Math. Proc. Cambridge Philos. Soc. 44 (1948) 50) of the exceedances, whose statistic is by
-    chance as large as the number of products.
-    """
+    """Return degrees of products of the two inputs that best explain which errors exceed the scale; None if little."""
+    # score test of the exceedances, whose statistic is by chance as large as the number of products:
+    # C. R. Rao, Math. Proc. Cambridge Philos. Soc. 44 (1948) 50
     beyond = NOMINAL - (logarithms <= (A @ trend).T)
     best, most = None, TELLING
     for pair in pairs:
@@ -149,7 +138,7 @@ def _waves(A: Array, logarithms: Array, trend: Array, t: Array, pairs: Sequence[
 
 
 def _distribution(scores: Array) -> Tabulated:
-    """The distribution of scores, (p, n); of an output that has none, NaN, as good as normal."""
+    """Return the distribution of scores, (p, n), normal for an output without any error, whose scores are NaN."""
     exact = np.asarray(np.isnan(scores).any(axis=1))
     distribution = Tabulated.of(np.where(exact[:, None], 0.0, scores))
     ends = np.clip(PROBABILITIES, 0.5 / scores.shape[1], 1 - 0.5 / scores.shape[1])
@@ -157,11 +146,9 @@ def _distribution(scores: Array) -> Tabulated:
 
 
 def _components(variances: Array, squares: Array) -> Array:
-    """Weights w >= 0 (k,) that maximise the likelihood of zero-mean Gaussian errors with variances w @ (k, n).
-
-    A majorise-minimise iteration: every step multiplies by the root of a ratio of gradients' parts, so none
-    increases the cost and none leaves the positive orthant (D. R. Hunter and K. Lange, Am. Stat. 58 (2004) 30).
-    """
+    """Return weights w >= 0 (k,) of greatest likelihood for zero-mean Gaussian errors with variances w @ (k, n)."""
+    # majorise-minimise iteration: no step increases the cost or leaves the positive orthant
+    # (D. R. Hunter and K. Lange, Am. Stat. 58 (2004) 30)
     size = variances.mean(axis=1)
     size[size == 0] = 1.0
     unit = variances / size[:, None]
@@ -175,15 +162,15 @@ def _components(variances: Array, squares: Array) -> Array:
 
 
 def _cross_fitted(A: Array, logarithms: Array, trend: Array, groups: Indices) -> Array:
-    """Residuals of the trends (m, p), every fold's from a fit to the others: (p, n)."""
+    """Return residuals of trends (m, p), each fold's from a fit to the other folds: (p, n)."""
     _, number = np.unique(groups, return_inverse=True)
     fold = np.random.default_rng(0).permutation(number.max() + 1)[number] % FOLDS
     scores = np.empty_like(logarithms)
     for k in range(FOLDS):
-        held, fitting = fold == k, fold != k
-        others, left_out = A[fitting], A[held]
+        test, fitting = fold == k, fold != k
+        A_test, A_fitting = A[test], A[fitting]
         for score, values, start in zip(scores, logarithms, trend.T, strict=True):
-            score[held] = values[held] - left_out @ quantile_regression(others, values[fitting], NOMINAL, start)
+            score[test] = values[test] - A_test @ quantile_regression(A_fitting, values[fitting], NOMINAL, start)
     return scores
 
 
@@ -193,7 +180,7 @@ def quantile_regression(A: Array, y: Array, level: float, start: Array | None = 
     Minimises the check function of R. Koenker and G. Bassett, Econometrica 46 (1978) 33, convolved with a Gaussian (M.
     Fernandes, E. Guerre and E. Horta, J. Bus. Econ. Stat. 39 (2021) 338), whose width shrinks as the fit improves.
     """
-    A = np.ascontiguousarray(A)  # cases are picked out of it
+    A = np.ascontiguousarray(A)  # rows are selected below
     b = _least_squares(A, y, level) if start is None else start
     width = BANDWIDTH * _spread(y - A @ b, level)
     while width > 0:
@@ -206,7 +193,7 @@ def quantile_regression(A: Array, y: Array, level: float, start: Array | None = 
 
 
 def _least_squares(A: Array, y: Array, level: float) -> Array:
-    """Coefficients of penalised least squares, raised until a share `level` of y lies below: a start near the fit."""
+    """Return coefficients (k,) of penalised least squares, raised until a share `level` of y lies below, as a start."""
     b = np.linalg.solve(A.T @ A + RIDGE * np.eye(A.shape[1]), A.T @ y)
     b[0] += np.quantile(y - A @ b, level)
     return np.asarray(b)

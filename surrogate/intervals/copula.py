@@ -1,10 +1,9 @@
 """Joint distribution of errors: an empirical copula over outputs, a Gaussian kernel over points.
 
-The rows of held-out cases, every score as its rank among those of its output, are an empirical copula of the outputs
-(L. Ruschendorf, J. Stat. Plan. Inference 139 (2009) 3921): the sum of a row is a joint draw at one point.
-
-The error of interpolation on Chebyshev-Gauss levels is waves of equal width in the angle arccos(t): there the
-correlation exp(-sum_k (angle_k - angle'_k)^2 / (2 length_k^2)) has one length everywhere.
+The ranks of the held-out scores among those of their output form an empirical copula, whose rows are joint draws at one
+point (L. Ruschendorf, J. Stat. Plan. Inference 139 (2009) 3921). The error of interpolation on Chebyshev-Gauss levels
+is waves of equal width in the angle arccos(t), so that the correlation between points
+exp(-sum_k (angle_k - angle'_k)^2 / (2 length_k^2)) has one length everywhere.
 """
 
 from collections.abc import Sequence
@@ -19,29 +18,24 @@ from numpy.typing import NDArray
 from approximation.arrays import Array, Indices, blocks
 from surrogate.intervals.distribution import Distribution, central
 
-#: Most rows that are kept.
-MOST_ROWS = 1000
-# Cases and pairs of them that tell the lengths, and how far apart [rad] along every input those of a pair are at most.
+MOST_ROWS = 1000  # of the copula
+# The lengths are fitted to at most so many pairs of cases, at most this far apart [rad] along every input.
 _CASES, _PAIRS, _APART = 10_000, 50_000, 1.0
-# How often pairs are chosen again, within so many lengths, and of how few at least.
-_ROUNDS, _NEAR, _FEWEST = 4, 1.2, 500
-# Logarithms of lengths [rad] before any case: normal about this one, with this standard deviation; and their bounds.
-_LIKELY, _SPREAD, _BOUNDS = 0.3, 1.5, (1e-3, 1e2)
-_NEIGHBOURS_AT_ONCE = 512  # points whose correlations with all others are held at a time
+_ROUNDS, _NEAR, _FEWEST = 4, 1.2, 500  # choices of pairs, within so many lengths, and least number of pairs
+_LIKELY, _SPREAD, _BOUNDS = 0.3, 1.5, (1e-3, 1e2)  # log-normal prior of the lengths [rad], and their bounds
+_NEIGHBOURS_AT_ONCE = 512  # points whose correlations with all others are stored at a time
 
 
 @dataclass(frozen=True)
 class Copula:
-    """Joint ranks of held-out errors, and the lengths over which errors stay alike."""
+    """Joint ranks of held-out errors, and correlation lengths of errors between points."""
 
-    # shape (m, p); Of every row, the rank of its score among those of each output, from 0: every column is a
-    # permutation
-    ranks: Indices
-    lengths: Array  # shape (d,); Of the correlation over points, in the angle arccos(t) of every scaled input [rad]
+    ranks: Indices  # shape (m, p); ranks of the scores of every output from 0, a permutation in each column
+    lengths: Array  # shape (d,); correlation lengths in the angle arccos(t) of every scaled input [rad]
 
     @classmethod
     def of(cls, scores: Array, t: Array) -> Self:
-        """Return that of held-out scores, (p, n), NaN where there is no error, at scaled coordinates t, (d, n)."""
+        """Return the copula of held-out scores, (p, n), NaN without any error, at scaled coordinates t, (d, n)."""
         rows = _evenly(scores.shape[1], MOST_ROWS)
         ranks = _ranks(scores[:, rows])
         sample = _evenly(scores.shape[1], _CASES)
@@ -50,11 +44,11 @@ class Copula:
         return cls(ranks, _lengths(np.asarray(scipy.special.ndtri(shares)), _angles(t[:, sample])))
 
     def near(self, t: Array, other: Array) -> Array:
-        """Return the correlation of one error, (n, k), between scaled coordinates t, (d, n), and others, (d, k)."""
+        """Return the correlation of an output's errors, (n, k), between scaled coordinates (d, n) and (d, k)."""
         return np.asarray(np.exp(-0.5 * _squares(_angles(t), _angles(other), self.lengths)))
 
     def only(self, columns: Sequence[int]) -> Self:
-        """Return that of some outputs."""
+        """Return the copula of the outputs `columns`."""
         return replace(self, ranks=self.ranks[:, list(columns)])
 
     def state(self) -> dict[str, tuple[tuple[str, ...], NDArray[np.generic]]]:
@@ -66,7 +60,7 @@ class Copula:
 
     @classmethod
     def restore(cls, stored: xr.Dataset, inputs: int, outputs: int) -> Self | None:
-        """Return what is in a file, None where it has none."""
+        """Return the copula in a file, None where it has none."""
         if "calibration_rank" not in stored:
             return None
         ranks, lengths = stored["calibration_rank"].values, stored["calibration_length"].values
@@ -83,7 +77,7 @@ def _evenly(cases: int, most: int) -> Indices:
 
 
 def _ranks(scores: Array) -> Indices:
-    """Ranks of scores (p, n) among those of their output, (n, p)."""
+    """Return the ranks, (n, p), of scores (p, n) among those of their output."""
     return np.argsort(np.argsort(scores, axis=1, kind="stable"), axis=1, kind="stable").T
 
 
@@ -92,7 +86,7 @@ def _angles(t: Array) -> Array:
 
 
 def _squares(angles: Array, other: Array, lengths: Array) -> Array:
-    """Squared distances over the lengths, (n, k), of angles (d, n) and (d, k)."""
+    """Return squared distances over the lengths, (n, k), between angles (d, n) and (d, k)."""
     square = np.zeros((angles.shape[1], other.shape[1]))
     for a, b, length in zip(angles, other, lengths, strict=True):
         square += (np.subtract.outer(a, b) / length) ** 2
@@ -100,34 +94,31 @@ def _squares(angles: Array, other: Array, lengths: Array) -> Array:
 
 
 def _lengths(normal: Array, angles: Array) -> Array:
-    """Lengths by which near cases have like normal scores (n, p), by least squares over pairs; angles (d, n).
-
-    What is fitted is the fall from one that near pairs show: the pairs are chosen again by the lengths found so far.
-    """
+    """Return lengths fitted to products of normal scores, (p, n), of near pairs of cases at angles (d, n)."""
     lengths = np.full(len(angles), _LIKELY)
     if not normal.shape[1]:
         return lengths
     d, n = angles.shape
     distance = np.full(d, min(_APART, np.pi / 2 * (2 * _PAIRS / max(n * n, 1)) ** (1 / d)))
-    for _ in range(_ROUNDS):
+    for _ in range(_ROUNDS):  # near pairs show how the correlation falls from one; the lengths tell which are near
         pairs = _pairs(angles / distance[:, None])
         if len(pairs) < _FEWEST:
             break
         first, second = pairs.T
-        alike = np.einsum("np,np->n", normal[first], normal[second]) / normal.shape[1]
-        lengths = _fitted((angles[:, first] - angles[:, second]) ** 2, alike)
+        products = np.einsum("np,np->n", normal[first], normal[second]) / normal.shape[1]
+        lengths = _fitted((angles[:, first] - angles[:, second]) ** 2, products)
         distance = np.minimum(_NEAR * lengths, _APART)
     return lengths
 
 
-def _fitted(squares: Array, alike: Array) -> Array:
-    """Lengths of the correlation that is nearest to products of scores, (pairs,), at squared distances (d, pairs)."""
-    noise = max(float(np.mean(alike**2)), 1e-12)
+def _fitted(squares: Array, products: Array) -> Array:
+    """Return the lengths whose correlation is nearest to products (pairs,) at squared distances (d, pairs)."""
+    noise = max(float(np.mean(products**2)), 1e-12)
 
     def cost(logarithms: Array) -> tuple[float, Array]:
         over = squares * np.exp(-2 * logarithms)[:, None]
         model = np.exp(-0.5 * over.sum(axis=0))
-        left, prior = alike - model, (logarithms - np.log(_LIKELY)) / _SPREAD
+        left, prior = products - model, (logarithms - np.log(_LIKELY)) / _SPREAD
         slopes = -(over @ (left * model)) / noise + prior / _SPREAD
         return 0.5 * float(left @ left / noise + prior @ prior), slopes
 
@@ -138,7 +129,7 @@ def _fitted(squares: Array, alike: Array) -> Array:
 
 
 def _pairs(scaled: Array) -> Indices:
-    """Pairs of cases of scaled angles (d, n) that differ by at most one along every input, `_PAIRS` at most: (k, 2)."""
+    """Return at most `_PAIRS` pairs of cases whose scaled angles (d, n) differ by at most one: (k, 2)."""
     from scipy.spatial import cKDTree  # slow to import
 
     pairs = cKDTree(scaled.T).query_pairs(1.0, p=np.inf, output_type="ndarray")
@@ -146,10 +137,10 @@ def _pairs(scaled: Array) -> Indices:
 
 
 def ends(distribution: Distribution, copula: Copula | None, level: float, sizes: Array, t: Array) -> Array:
-    """Return the ends, (2,), of the central interval of a sum of errors of sizes (p, n) over outputs and points (e, n).
+    """Return the ends, (2,), of the central interval of the sum of errors with sizes (p, n) at points t, (e, n).
 
-    At one point the held-out rows say it: the sum of each row is one that was seen. Over points the ends of their own
-    sums add as deviations do, by the correlation of the points' sums.
+    At one point the held-out rows give joint draws of the sum. The ends at several points add like standard deviations,
+    with the correlation of the points' sums.
     """
     known = sizes.any(axis=0)
     sizes, t = sizes[:, known], t[:, known]
@@ -166,6 +157,7 @@ def ends(distribution: Distribution, copula: Copula | None, level: float, sizes:
     scale = np.sqrt(np.maximum((sizes * spread).sum(axis=0), np.finfo(np.float64).tiny))
     squares = np.zeros(2)
     for block in blocks(len(scale), _NEIGHBOURS_AT_ONCE):
-        alike = copula.near(t[:, block], t) * (sizes[:, block].T @ spread) / np.multiply.outer(scale[block], scale)
-        squares += [float(end[block] @ alike @ end) for end in quantiles]
+        correlation = copula.near(t[:, block], t) * (sizes[:, block].T @ spread)
+        correlation /= np.multiply.outer(scale[block], scale)
+        squares += [float(end[block] @ correlation @ end) for end in quantiles]
     return np.sqrt(np.maximum(squares, 0)) * [-1, 1]

@@ -1,8 +1,4 @@
-"""Standardised predictive distributions: by how many standard deviations the truth lies above the mean.
-
-The process itself says that this is a standard normal variable. Held-out cases say what it is: a quantile function
-that is linear between some probabilities.
-"""
+"""Distributions of (truth - mean) / std: standard normal before a calibration, tabulated quantiles after it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,13 +9,11 @@ import scipy  # scipy.special, slow to import, and not every job asks for interv
 
 from approximation.arrays import Array
 
-#: Level of an interval where neither a query nor the model says one; calibrations make this level hold everywhere.
-NOMINAL = 0.95
-# Central levels whose quantiles are kept; the outer ones are the extremes of the cases.
+NOMINAL = 0.95  # default level of intervals, which calibrations make hold everywhere
+# Central levels of the tabulated quantiles; the last one gives the extremes of the cases.
 LEVELS = (0.0, 0.25, 0.5, 0.6827, 0.8, 0.9, NOMINAL, 0.98, 0.99, 0.999, 1.0)
-#: Central level of one standard deviation to either side.
-ONE_STD = LEVELS[3]
-# Central levels, ascending, as probabilities on both sides.
+ONE_STD = LEVELS[3]  # central level of one standard deviation to either side
+# Both ends of the central levels as probabilities, ascending.
 PROBABILITIES = np.array([(1 - level) / 2 for level in reversed(LEVELS)] + [(1 + level) / 2 for level in LEVELS[1:]])
 
 
@@ -32,7 +26,7 @@ class Normal:
     """The standard normal distribution, of every output."""
 
     def highest_level(self) -> float:
-        """Return the largest central level that is known: any below one."""
+        """Return the largest central level, just below one."""
         return float(np.nextafter(1.0, 0.0))
 
     def quantile(self, q: Array) -> Array:
@@ -44,18 +38,16 @@ class Normal:
         return self.quantile(central(level))
 
     def inverse(self, q: Array) -> Array:
-        """Return quantiles at probabilities of any shape."""
+        """Return quantiles at probabilities q of any shape, in that shape."""
         return np.asarray(scipy.special.ndtri(q))
 
     def cdf(self, z: Array) -> Array:
-        """Return the probability of no more than z, any shape."""
+        """Return the probability of values up to z, any shape."""
         return np.asarray(scipy.special.ndtr(z))
 
     def crps(self, z: Array) -> Array:
-        """Return the continuous ranked probability score at z, any shape, in standard deviations.
-
-        T. Gneiting and A. E. Raftery, J. Am. Stat. Assoc. 102 (2007) 359, equation 21.
-        """
+        """Return the continuous ranked probability score at z, any shape, in standard deviations."""
+        # T. Gneiting and A. E. Raftery, J. Am. Stat. Assoc. 102 (2007) 359, equation 21
         return np.asarray(
             z * (2 * scipy.special.ndtr(z) - 1) + np.sqrt(2 / np.pi) * np.exp(-0.5 * z * z) - 1 / np.sqrt(np.pi)
         )
@@ -63,28 +55,26 @@ class Normal:
 
 @dataclass(frozen=True)
 class Tabulated:
-    """Quantiles of held-out cases, linear between the probabilities `PROBABILITIES`."""
+    """Quantiles of held-out cases, linear between `PROBABILITIES`."""
 
-    quantiles: Array  # shape (len(PROBABILITIES), p); Ascending
-    cases: int  # Held-out cases that they were taken from
+    quantiles: Array  # shape (len(PROBABILITIES), p); ascending
+    cases: int  # number of the held-out cases
 
     @classmethod
     def of(cls, scores: Array) -> Self:
-        """Return the distribution of scores, (p, n).
-
-        A quantile at p is the score at position p (n + 1) - 1 of the sorted ones, linear between (R. J. Hyndman and Y.
-        Fan, Am. Stat. 50 (1996) 361, definition 6: of n + 1 exchangeable ones, a share p does not exceed it). A central
-        level l is asked for at 1 - (1 - l)(1 - 0.3 l^12), since what was fitted to the cases loses a little on others.
-        """
+        """Return the distribution of scores, (p, n)."""
         levels = np.abs(2 * PROBABILITIES - 1)
+        # a little more than the level, since the calibration is fitted to the same cases
         corrected = 1 - (1 - levels) * (1 - 0.3 * levels**12)
+        # of n + 1 exchangeable scores a share p does not exceed the sorted score number p (n + 1) - 1, from 0
+        # (R. J. Hyndman and Y. Fan, Am. Stat. 50 (1996) 361, definition 6)
         position = (1 + np.sign(PROBABILITIES - 0.5) * corrected) / 2 * (scores.shape[1] + 1) - 1
         ordered = np.sort(scores, axis=1)
         places = np.arange(scores.shape[1])
         return cls(np.stack([np.interp(position, places, row) for row in ordered], axis=1), scores.shape[1])
 
     def highest_level(self) -> float:
-        """Return the largest central level for whose ends there are cases: 1 - 2/(n + 1), at most 0.999."""
+        """Return the largest central level whose ends lie within n cases, 1 - 2/(n + 1), at most 0.999."""
         return min(LEVELS[-2], 1 - 2 / (self.cases + 1))
 
     def quantile(self, q: Array) -> Array:
@@ -100,11 +90,11 @@ class Tabulated:
         return self.quantile(central(level))
 
     def inverse(self, q: Array) -> Array:
-        """Return the quantiles of every output at probabilities of its own, (p, n)."""
+        """Return the quantiles of every output at its own probabilities, (p, n)."""
         return np.stack([np.interp(row, PROBABILITIES, z) for row, z in zip(q, self.quantiles.T, strict=True)])
 
     def cdf(self, z: Array) -> Array:
-        """Return the probability of no more than z, (p, n)."""
+        """Return the probability of values up to z, (p, n)."""
         return np.stack([np.interp(row, ends, PROBABILITIES) for row, ends in zip(z, self.quantiles.T, strict=True)])
 
     def crps(self, z: Array) -> Array:
@@ -124,7 +114,7 @@ class Tabulated:
         return out
 
     def only(self, columns: Sequence[int]) -> Self:
-        """Return that of some outputs."""
+        """Return the distributions of the outputs `columns`."""
         return replace(self, quantiles=self.quantiles[:, list(columns)])
 
 
@@ -133,5 +123,5 @@ Distribution: TypeAlias = Normal | Tabulated
 
 
 def _square(width: Array, first: Array, last: Array) -> Array:
-    """Integral of the square of what is linear between two values."""
+    """Return the integral over a width of the square of a function that is linear between two values."""
     return np.asarray(width * (first * first + first * last + last * last) / 3)

@@ -1,8 +1,7 @@
-"""Factors on intervals in parts of the box: slabs of every factor and corners of every two.
+"""Factors on intervals in slabs of every input and corners of every two inputs.
 
-Held-out cases may share some inputs: the cases of such a group count as one place of these inputs.
-
-Source: V. Vovk, Proc. Mach. Learn. Res. 25 (2012) 475 (coverage by class).
+Held-out cases that share some inputs form a group, which counts as one place of these inputs. Source: V. Vovk, Proc.
+Mach. Learn. Res. 25 (2012) 475 (coverage by class).
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,23 +15,19 @@ from approximation.arrays import Array, Flags, Indices
 from surrogate.intervals.distribution import NOMINAL
 
 SLABS = 10
-# Places of cases below which the own quantile of a slab or a corner says too little, and the shares of the cases that
-# hold beyond: a corner has few, and needs room for their error.
-SLAB_PLACES, CORNER_PLACES = 20, 8
-SLAB_LEVEL, CORNER_LEVEL = NOMINAL, 0.98
+SLAB_PLACES, CORNER_PLACES = 20, 8  # fewest places from which a slab's or a corner's quantile is estimated
+SLAB_LEVEL, CORNER_LEVEL = NOMINAL, 0.98  # shares of their cases that must hold: a corner has few, so room for error
 
 
 @dataclass(frozen=True)
 class Guard:
-    """Logarithms of further scales, >= 0; the largest of all cells that hold a point counts."""
+    """Logarithms of further scales, >= 0; the largest of all cells that contain a point counts."""
 
-    slabs: Array  # shape (d, SLABS, p); In every slab of equal width of every scaled input
-    # shape (d (d - 1) / 2, 3, 3, p); Where both of two inputs are in their outermost slabs, pairs in the order of
-    # `itertools.combinations`. Index 0 is the lower one, 2 the upper one, and 1 anything between, where the guard is
-    # zero.
+    slabs: Array  # shape (d, SLABS, p); in slabs of equal width of every scaled input
+    # shape (d (d - 1) / 2, 3, 3, p); where both inputs of a pair are in outermost slabs: 0 lower, 2 upper; 1, between
+    # them, is zero. Pairs are in the order of `itertools.combinations`.
     corners: Array
-    # shape (p,), optional; In any of these corners, from the cases of all together: of each alone few tell
-    pooled: Array | None = None
+    pooled: Array | None = None  # shape (p,); in any of these corners, from the cases of all corners together
 
     def at(self, t: Array) -> Array:
         """Return the guard at scaled coordinates t within the box, (d, B): (B, p)."""
@@ -51,21 +46,20 @@ class Guard:
         return guard
 
     def only(self, columns: Sequence[int]) -> Self:
-        """Return that of some outputs."""
+        """Return the guard of the outputs `columns`."""
         chosen = list(columns)
         pooled = None if self.pooled is None else self.pooled[chosen]
         return replace(self, slabs=self.slabs[..., chosen], corners=self.corners[..., chosen], pooled=pooled)
 
 
 def unguarded(inputs: int, outputs: int, pooled: bool = False) -> Guard:
-    """Return the guard that adds nothing, as arrays to fill."""
-    pairs = inputs * (inputs - 1) // 2
-    together = np.zeros(outputs) if pooled else None
-    return Guard(np.zeros((inputs, SLABS, outputs)), np.zeros((pairs, 3, 3, outputs)), together)
+    """Return a guard of zeros, to be filled."""
+    corners = np.zeros((inputs * (inputs - 1) // 2, 3, 3, outputs))
+    return Guard(np.zeros((inputs, SLABS, outputs)), corners, np.zeros(outputs) if pooled else None)
 
 
 def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, groups: Indices, even: Flags) -> None:
-    """Set the guard of one output so that scores (n,) in every cell of scaled coordinates t, (d, n), hold."""
+    """Set an output's guard so that its intervals hold in every cell, from scores (n,) at scaled coordinates (d, n)."""
 
     def needed(cell: Indices, fewest: int, share: float) -> float:
         if len(np.unique(groups[cell])) < fewest:
@@ -87,12 +81,12 @@ def fill(guard: Guard, output: int, scores: Array, level: float, t: Array, group
 
 
 def slabs(t: Array) -> Indices:
-    """Return the index of the slab of equal width: any shape."""
+    """Return the slab numbers of scaled coordinates, any shape."""
     return np.clip(((t + 1) / 2 * SLABS).astype(np.intp), 0, SLABS - 1)
 
 
 def _cells(slab: Indices) -> Iterator[tuple[tuple[int, ...], Indices]]:
-    """Every cell: its place in the guard's arrays, and its cases."""
+    """Yield the position of every cell in the guard's arrays, and its cases."""
     for factor, numbers in enumerate(slab):
         for number in range(SLABS):
             yield (factor, number), np.flatnonzero(numbers == number)
@@ -103,12 +97,12 @@ def _cells(slab: Indices) -> Iterator[tuple[tuple[int, ...], Indices]]:
 
 
 def _edge(slab: Indices) -> Indices:
-    """0 in the lowest slab, 2 in the highest, 1 between."""
+    """Return 0 in the lowest slab, 2 in the highest, 1 between."""
     return np.asarray((slab > 0).astype(np.intp) + (slab == SLABS - 1))
 
 
 def sharing(t: Array) -> Indices:
-    """Return the group of every case, (n,): cases share those coordinates, (d, n), that have at most n/2 values."""
+    """Return the group of every case, (n,), by equality in the coordinates (d, n) with at most n/2 distinct values."""
     few = [row for row in t if len(np.unique(row)) <= t.shape[1] / 2]
     if not few:
         return np.arange(t.shape[1])
@@ -116,6 +110,6 @@ def sharing(t: Array) -> Indices:
 
 
 def places(t: Array, groups: Indices) -> Indices:
-    """Return how many places cases at t, (d, n), have along every input, (d,): groups that share it, or cases."""
+    """Return the number of places along every input, (d,): of groups for inputs that they share, else of cases."""
     count, cases = len(np.unique(groups)), t.shape[1]
     return np.array([count if len(np.unique(row)) <= count else cases for row in t])

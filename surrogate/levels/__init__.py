@@ -1,1 +1,1 @@
-"""Number of levels that a factorial needs along each factor: pilots, decay of coefficients."""
+"""Number of levels that a factorial needs along each factor, from pilots and the decay of coefficients."""

@@ -1,9 +1,9 @@
-"""Level counts of a factorial, chosen by the decay of Chebyshev coefficients: of a data set, or of pilots.
+"""Level counts of a factorial, chosen by the decay of Chebyshev coefficients of a data set or of pilots.
 
-Along one factor, an output that is analytic near the box has coefficients that fall geometrically, and interpolation
-on n Chebyshev-Gauss levels errs by at most twice the sum of the coefficients from the n-th on (L. N. Trefethen,
-Approximation Theory and Approximation Practice (2013), theorems 4.2 and 8.2). A kink makes them fall
-algebraically instead: then no count is claimed to reach a tolerance.
+If an output is analytic near the box, its coefficients along a factor fall geometrically. Then the error of
+interpolation on n Chebyshev-Gauss levels is at most twice the sum of the coefficients from the n-th on (L. N.
+Trefethen, Approximation Theory and Approximation Practice (2013), theorems 4.2 and 8.2). At a kink they fall
+algebraically, and no tolerance is claimed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,35 +23,30 @@ from surrogate.levels.decay import Decay, decay_of
 
 MOST_LEVELS = 256
 
-#: Decay by output and input.
-Decays = Mapping[str, Mapping[str, Decay]]
+Decays = Mapping[str, Mapping[str, Decay]]  # by output and input
 
 
 class UnreachableError(ValueError):
-    """The tolerance cannot be reached within the budget; the message says what would reach it."""
+    """The tolerance cannot be reached within the budget; the message says what the budget reaches."""
 
 
 @dataclass(frozen=True)
 class LevelChoice:
     """Level counts and the evidence for them."""
 
-    counts: dict[str, int]  # Levels of every input, in order; an affine input has 2
-    # Predicted error over range of every output at these counts; NaN for a kinked one, for which nothing is claimed
-    error: dict[str, float]
-    affine: tuple[str, ...]  # Inputs in which every output is affine
-    # Inputs with more levels than the pilot had, so that a rate was trusted; a larger pilot there would be evidence
-    extrapolated: tuple[str, ...]
-    # Outputs whose coefficients do not decay geometrically, and the inputs along which
-    kinked: dict[str, tuple[str, ...]]
-    # `coefficient` over (`output`, `input`, `mode`): largest Chebyshev coefficient along an input over all pilot
-    # lines, over the output's range (NaN beyond the pilot's levels); `rate` over (`output`, `input`): fitted factor
-    # from one coefficient to the next; `interpolation_error` over (`output`, `input`): the part of the predicted
-    # error
+    counts: dict[str, int]  # levels of every input, in order; an affine input has 2
+    error: dict[str, float]  # predicted error over range of every output, NaN for a kinked one
+    affine: tuple[str, ...]  # inputs in which every output is affine
+    extrapolated: tuple[str, ...]  # inputs with more levels than their pilot, by the fitted rate
+    kinked: dict[str, tuple[str, ...]]  # outputs whose coefficients do not decay geometrically, and along which inputs
+    # `coefficient` over (`output`, `input`, `mode`): largest Chebyshev coefficient of all lines along an input, over
+    # the output's range (NaN beyond the pilot's levels); over (`output`, `input`): `rate`, the fitted factor from one
+    # coefficient to the next, and `interpolation_error`, the input's part of the predicted error
     decay: xr.Dataset
 
 
 def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | None = None) -> Decays:
-    """Judge the decay of every output along every input."""
+    """Return the decay of every output of a factorial along every input."""
     factorial = complete_factorial(data, inputs, outputs)
     names = [input_.name for input_ in factorial.inputs]
     judged = {}
@@ -63,7 +58,7 @@ def decays(data: xr.Dataset, inputs: Sequence[Input], outputs: Sequence[str] | N
 
 
 def largest(values: Array, axis: int) -> Array:
-    """Return the largest Chebyshev coefficients along an axis, over all others but the last: (n, p) of (..., p)."""
+    """Return the largest Chebyshev coefficients along an axis of values (..., p), over all other axes: (n, p)."""
     along = np.moveaxis(coefficients(values, axis), axis, 0)
     return np.asarray(np.abs(along).reshape(values.shape[axis], -1, values.shape[-1]).max(axis=1))
 
@@ -71,7 +66,7 @@ def largest(values: Array, axis: int) -> Array:
 def choose(
     decays: Decays, tolerance: float, budget: int, fixed: Mapping[str, int] = MappingProxyType({})
 ) -> LevelChoice:
-    """Choose the smallest factorial that is predicted to reach a tolerance."""
+    """Return the smallest factorial with a predicted error within the tolerance; UnreachableError beyond the budget."""
     if not tolerance > 0 or budget < 1:
         raise ValueError(f"tolerance {tolerance} and budget {budget} must be positive")
     kinks = {output: tuple(name for name in along if along[name].algebraic) for output, along in decays.items()}
@@ -99,7 +94,7 @@ def choose(
 
 
 def evidence(decays: Decays, counts: Mapping[str, int]) -> xr.Dataset:
-    """Return decays as a data set: `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
+    """Return decays as the data set `LevelChoice.decay`, with `kinked` over (`output`, `input`), 1 at a kink."""
     names = list(next(iter(decays.values())))
     table = [[along[name] for name in names] for along in decays.values()]
     modes = max(len(decay.coefficients) for row in table for decay in row)
@@ -127,19 +122,19 @@ def evidence(decays: Decays, counts: Mapping[str, int]) -> xr.Dataset:
 
 
 def _smallest(judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int] | None:
-    """Level counts of few cases with every output's summed error within the tolerance, None where there are none."""
+    """Return level counts of few cases that keep every output's error within the tolerance, None if there are none."""
     counts = _equally_shared(judged, tolerance, fixed)
     return None if counts is None else _trimmed(counts, judged, tolerance, fixed)
 
 
 def _equally_shared(judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int] | None:
-    """Level counts that split what the given counts leave of the tolerance equally between the other inputs."""
+    """Return level counts that share the tolerance, less the error of the fixed counts, equally among other inputs."""
     names = list(next(iter(judged.values())))
-    taken = max(sum(along[name].error(fixed[name]) for name in names if name in fixed) for along in judged.values())
-    if taken > tolerance:
+    spent = max(sum(along[name].error(fixed[name]) for name in names if name in fixed) for along in judged.values())
+    if spent > tolerance:
         return None
     curved = sum(any(not along[name].affine for along in judged.values()) for name in names if name not in fixed)
-    share, counts = (tolerance - taken) / max(1, curved), dict[str, int]()
+    share, counts = (tolerance - spent) / max(1, curved), dict[str, int]()
     for name in names:
         fewest = fixed[name] if name in fixed else _fewest([along[name] for along in judged.values()], share)
         if fewest is None:
@@ -149,13 +144,13 @@ def _equally_shared(judged: Decays, tolerance: float, fixed: Mapping[str, int]) 
 
 
 def _fewest(decays: Sequence[Decay], error: float) -> int | None:
-    """Fewest levels along one input at which no output errs by more, None where the most allowed are too few."""
+    """Return the fewest levels along one input that keep all outputs within an error, None beyond `MOST_LEVELS`."""
     enough = (count for count in range(2, MOST_LEVELS) if max(decay.error(count) for decay in decays) <= error)
     return next(enough, None)
 
 
 def _trimmed(counts: dict[str, int], judged: Decays, tolerance: float, fixed: Mapping[str, int]) -> dict[str, int]:
-    """Take levels away, where that saves most first, while the sum of the errors allows: equal shares are wasteful."""
+    """Remove levels, first where that saves most cases, as long as the summed errors stay within the tolerance."""
     while True:
         free = sorted((name for name in counts if name not in fixed and counts[name] > 2), key=counts.__getitem__)
         fewer = ({**counts, name: counts[name] - 1} for name in free)
@@ -167,7 +162,7 @@ def _trimmed(counts: dict[str, int], judged: Decays, tolerance: float, fixed: Ma
 
 
 def _error(along: Mapping[str, Decay], counts: Mapping[str, int]) -> float:
-    """Predicted error of one output: the sum of those along its inputs."""
+    """Return the predicted error of one output, the sum of the errors along its inputs."""
     return sum(decay.error(counts[name]) for name, decay in along.items())
 
 
@@ -200,10 +195,8 @@ def _text(counts: Mapping[str, int]) -> str:
     return " x ".join(f"{count} {name}" for name, count in counts.items())
 
 
-#: Levels of a pilot along the input that it is for: every refinement halves the spacing.
-LEVELS = (9, 17, 33, 65)
-#: Levels of all other inputs, the most that the share of the budget allows.
-OTHERS = (5, 4, 3, 2)
+LEVELS = (9, 17, 33, 65)  # of a pilot along its input; every refinement halves the spacing
+OTHERS = (5, 4, 3, 2)  # levels of the other inputs, of which the most are taken that the budget allows
 
 Solve = Callable[[dict[str, Array]], xr.Dataset]
 
@@ -212,9 +205,9 @@ Solve = Callable[[dict[str, Array]], xr.Dataset]
 class Pilot:
     """Result of the pilots."""
 
-    choice: LevelChoice  # The level counts and the evidence for them
-    levels: dict[str, int]  # Levels of the finest pilot along every input
-    cases: int  # Cases of all pilots together
+    choice: LevelChoice
+    levels: dict[str, int]  # levels of the finest pilot along every input
+    cases: int  # cases of all pilots together
 
 
 def explore(
@@ -225,25 +218,28 @@ def explore(
     outputs: Sequence[str] | None = None,
     fixed: Mapping[str, int] = MappingProxyType({}),
 ) -> Pilot:
-    """Choose level counts from pilots along one input at a time.
+    """Choose level counts from pilots with many levels of one input and few of the others.
 
-    A pilot has many levels of one input and few of the others, so that the largest coefficient over its lines is that
-    over the box, nearly. It is refined while the chosen count exceeds its levels or an output looks kinked along it, as
-    long as all pilots together stay within the budget.
+    A pilot is refined while more levels are needed than it has, or an output looks kinked along it, as long as all
+    pilots together stay within the budget.
     """
+    # all first pilots together take at most half of the budget
+    most_lines = budget / (2 * len(inputs) * LEVELS[0])
+    others = next((count for count in OTHERS if count ** (len(inputs) - 1) <= most_lines), OTHERS[-1])
+    lines = others ** (len(inputs) - 1)
     judged: dict[str, dict[str, Decay]] = {}
     fineness = dict.fromkeys((input_.name for input_ in inputs), 0)
     waiting, spent = [input_.name for input_ in inputs], 0
     while waiting:
         for name in waiting:
-            axes = _levels(inputs, name, LEVELS[fineness[name]], budget)
-            spent += int(np.prod([len(axis) for axis in axes.values()]))
+            count = LEVELS[fineness[name]]
+            axes = {input_.name: input_.levels(count if input_.name == name else others) for input_ in inputs}
+            spent += count * lines
             for output, along in decays(solve(axes), inputs, outputs).items():
                 judged.setdefault(output, {})[name] = along[name]
         waiting = []
         for name in _unsettled(judged, tolerance, fixed):
             finer = fineness[name] + 1
-            lines = _others(len(inputs), budget) ** (len(inputs) - 1)
             if finer < len(LEVELS) and spent + LEVELS[finer] * lines <= budget:
                 fineness[name] = finer
                 waiting.append(name)
@@ -252,19 +248,8 @@ def explore(
     return Pilot(choice, {name: LEVELS[fine] for name, fine in fineness.items()}, spent)
 
 
-def _levels(inputs: Sequence[Input], along: str, count: int, budget: int) -> dict[str, Array]:
-    others = _others(len(inputs), budget)
-    return {input_.name: input_.levels(count if input_.name == along else others) for input_ in inputs}
-
-
-def _others(inputs: int, budget: int) -> int:
-    """Levels of the inputs that a pilot is not for: all first pilots together take at most half of the budget."""
-    room = budget / (2 * inputs * LEVELS[0])
-    return next((n for n in OTHERS if n ** (inputs - 1) <= room), OTHERS[-1])
-
-
 def _unsettled(judged: Mapping[str, Mapping[str, Decay]], tolerance: float, fixed: Mapping[str, int]) -> list[str]:
-    """Inputs of whose decay more must be seen: a kink is suspected, or more levels are needed than were seen."""
+    """Return the inputs along which a kink is suspected or more levels are needed than the pilot has."""
     names = list(next(iter(judged.values())))
     unsettled = []
     for name in names:

@@ -1,4 +1,4 @@
-"""Decay of Chebyshev coefficients along one factor: its rate, its noise floor, and whether it betrays a kink."""
+"""Decay of Chebyshev coefficients along one factor: its rate, its noise floor and signs of a kink."""
 
 from dataclasses import dataclass
 
@@ -6,38 +6,29 @@ import numpy as np
 
 from approximation.arrays import Array
 
-# Coefficients below this share of the largest are rounding of the data.
-NOISE = 1e-13
-NOISE_LIMIT = 1e-4
-# Fewest coefficients above the noise, beyond the first two, that can tell algebraic from geometric decay.
-EVIDENCE = 6
-# Powers of algebraic decay up to this are taken as a kink (2) or a kink of the slope (3, 4).
-POWER = 5.0
-# Even and odd functions have every other coefficient zero, or at least this small beside its neighbours.
-PARITY = 1e-2
-# A rate that the correction for aliases cannot honestly end at.
-RUNAWAY = 0.95
-# Coefficients beyond the pilot are taken as this many times what the fitted rate gives.
-SAFETY = 3.0
-# What remains of the error where the coefficients end in noise, in units of its largest coefficient.
-FLOOR = 5.0
+NOISE = 1e-13  # share of the largest coefficient below which coefficients are rounding of the data
+NOISE_LIMIT = 1e-4  # height of a plateau above which it is roughness, not noise
+EVIDENCE = 6  # fewest coefficients beyond the first two that distinguish algebraic from geometric decay
+POWER = 5.0  # largest power of algebraic decay at a kink (2) or at a kink of the slope (3, 4)
+PARITY = 1e-2  # ratio to its neighbours below which a coefficient is one that an even or odd function skips
+RUNAWAY = 0.95  # rate beyond which the correction for aliases has diverged
+SAFETY = 3.0  # factor on the coefficients that the fitted rate gives beyond the pilot
+FLOOR = 5.0  # remaining error where the coefficients end in noise, over the noise's largest coefficient
 
 
 @dataclass(frozen=True)
 class Decay:
-    """Coefficients along one factor and what they say."""
+    """Coefficients of an output along one factor, and their decay."""
 
-    # shape (n,); Largest coefficient of every degree over all lines along the factor, over the output's range
-    coefficients: Array
-    # shape (n,); The same freed of aliases, each raised to the largest coefficient of its degree or beyond
-    envelope: Array
-    noise: float  # Level below which coefficients carry no information
-    rate: float  # Factor from one coefficient to the next beyond the pilot, 0 where they ended within it
-    algebraic: bool  # The coefficients fall like a power of the degree: no tolerance is claimed
+    coefficients: Array  # shape (n,); largest of every degree over all lines along the factor, over the output's range
+    envelope: Array  # shape (n,); largest coefficients of every degree or higher, without aliases
+    noise: float  # height below which coefficients carry no information
+    rate: float  # factor from one coefficient to the next beyond the pilot, 0 where they end in noise within it
+    algebraic: bool  # the coefficients fall like a power of the degree, so that no tolerance is claimed
 
     @property
     def affine(self) -> bool:
-        """Return True if only noise lies beyond degree one, which two levels cannot show and take for granted."""
+        """Return True if all coefficients beyond degree one are noise; two levels always appear affine."""
         return bool((self.coefficients[2:] <= self.noise).all())
 
     def error(self, levels: int) -> float:
@@ -46,12 +37,12 @@ class Decay:
         known = float(tail[tail > self.noise].sum())
         beyond = max(levels - len(self.envelope), 0)
         geometric = float(self.envelope[-1]) * self.rate ** (beyond + 1) / (1 - self.rate)
-        # where the coefficients end in noise, that noise is what remains of the error
+        # where the coefficients end in noise, the noise limits the error
         return 2 * (known + SAFETY * geometric) + (0.0 if self.affine else FLOOR * self.noise)
 
 
 def decay_of(coefficients: Array) -> Decay:
-    """Judge the largest coefficients along one factor, over the output's range: shape (n,)."""
+    """Return the decay of the largest coefficients along one factor, over the output's range, (n,)."""
     measured = _envelope(coefficients)
     noise = max(NOISE * max(float(coefficients.max()), 1.0), _plateau(measured))
     if len(measured) < 3 or measured[-1] <= noise:
@@ -62,11 +53,10 @@ def decay_of(coefficients: Array) -> Decay:
 
 
 def _unaliased(coefficients: Array, measured: Array, noise: float) -> tuple[Array, float, float]:
-    """Undo what the pilot's own aliasing hides: on n levels the coefficient of degree m is a_m - a_{2n-m}.
+    """Return envelope, noise and rate, corrected for aliasing: n levels give a_m - a_{2n-m} in place of a_m.
 
-    For a singularity on the real axis the two have the same sign, so that the upper coefficients look too small and
-    fall too fast. Where the correction runs away they have opposite signs, and the coefficients are on the safe side as
-    they are.
+    For a singularity on the real axis both have the same sign, so that the highest coefficients seem to fall too fast.
+    Where the correction diverges they have opposite signs, and the measured coefficients are on the safe side.
     """
     mirror = 2 * (len(measured) - np.arange(len(measured)))
     above, rate = measured, _rate(measured)
@@ -79,11 +69,10 @@ def _unaliased(coefficients: Array, measured: Array, noise: float) -> tuple[Arra
 
 
 def _plateau(above: Array) -> float:
-    """Return the height of the plateau of noise that the coefficients end in, 0 where there is none.
+    """Return the height of the plateau of noise in which the coefficients end, 0 where there is none.
 
-    A plateau is an end of at least four coefficients that fall by less than a third, and by less than a fifth (in the
-    logarithm) of what as many before them fell, which was at least a decade: neither a geometric nor a power law does
-    so. A plateau above `NOISE_LIMIT` is no noise but roughness.
+    A plateau is at least four last coefficients that fall by less than a factor 3, and in the logarithm by less than a
+    fifth of the fall of as many before them, which is at least a decade. No geometric or power law does so.
     """
     logs = np.log(np.maximum(above, np.finfo(np.float64).tiny))
     for start in range(2, len(above) - 3):
@@ -95,7 +84,7 @@ def _plateau(above: Array) -> float:
 
 
 def _envelope(coefficients: Array) -> Array:
-    """Return the largest coefficient of every degree or beyond, (n,): even and odd functions skip every other."""
+    """Return the largest coefficient of every degree or higher, (n,), since even and odd functions skip every other."""
     filled = coefficients.copy()
     if len(filled) > 3 and max(filled[-1], filled[-3]) < PARITY * filled[-2]:
         filled[-1] = filled[-2]
@@ -103,7 +92,7 @@ def _envelope(coefficients: Array) -> Array:
 
 
 def _rate(above: Array) -> float:
-    """Geometric rate of the last half of the coefficients, at least of three."""
+    """Return the geometric rate of the last half of the coefficients, of three at least."""
     degrees = np.arange(min(len(above) // 2, len(above) - 3), len(above))
     slope = float(np.polyfit(degrees, np.log(above[degrees]), 1)[0])
     return float(np.clip(np.exp(slope), 1e-6, 0.99))

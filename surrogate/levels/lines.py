@@ -1,4 +1,4 @@
-"""Decay of Chebyshev coefficients along the lines that the cases of a cross approximation happen to complete."""
+"""Decay of Chebyshev coefficients along the complete lines among the cases of a cross approximation."""
 
 import numpy as np
 import xarray as xr
@@ -11,7 +11,7 @@ from surrogate.levels.decay import decay_of
 
 
 def decays(model: CrossGP, X: xr.Dataset) -> Decays:
-    """Judge the decay of every output along every input, from all lines of whole levels among the cases."""
+    """Return the decay of every output along every input, from all complete lines of levels among the cases."""
     known = model.blocks(X)
     indices, blocks = np.array(list(known), dtype=np.intp), np.stack(list(known.values()))
     spread = np.ptp(blocks, axis=(0, 1))
@@ -28,7 +28,7 @@ def decays(model: CrossGP, X: xr.Dataset) -> Decays:
 
 
 def _whole_lines(indices: Indices, values: Array, k: int, size: int) -> Array:
-    """Values along all lines of an index that have all of it: (lines, size, b, p)."""
+    """Return the values, (lines, size, b, p), along all lines that have every value of index k."""
     others = np.delete(indices, k, axis=1)
     _, line = np.unique(others, axis=0, return_inverse=True)
     order = np.lexsort((indices[:, k], line.ravel()))

@@ -1,4 +1,4 @@
-"""Robust constrained optimisation on a box: the best worst case over scenarios, under limits in every scenario."""
+"""Robust constrained optimisation on a box: the best worst case over scenarios, with limits in every scenario."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ import scipy  # scipy.optimize, slow to import, when something is searched
 from approximation.arrays import Array, Flags
 from approximation.sobol import sobol_points
 
-_FEASIBLE = 1e-9  # largest excess, in units of the limits, that counts as none: SLSQP's own accuracy
-_NEARLY = 1e-6  # an excess that next to nothing of the objective takes away
+_FEASIBLE = 1e-9  # largest excess of a feasible point, in units of the limits: SLSQP's accuracy
+_NEARLY = 1e-6  # an excess that can be removed at almost no cost to the objective
 _CONVERGED = 1e-14  # change of the objective, and excess, at which sequential quadratic programming ends
-_BINDS = 1e-7  # margin below which a row binds once it has ended
-_ROUNDING = 1e-15  # margin that no step lessens
-_STANDS = 1e-9  # change of all variables that is none
+_BINDS = 1e-7  # margin below which a row then binds
+_ROUNDING = 1e-15  # margin of a binding row that is rounding
+_STALLED = 1e-9  # largest change of a variable in a search that has stalled
 _SEARCH_STEPS, _ROUNDS, _STARTS = 4, 3, 6
-_TIE = 1e-11  # share of the objective's range over the box that counts as none
-_VANISHING = 1e-100  # share of the largest slope below which one is none
+_TIE = 1e-11  # difference of equal objectives, as a share of the range over the box
+_VANISHING = 1e-100  # share of the largest slope below which a slope counts as zero
 
 
 @dataclass(frozen=True)
@@ -33,17 +33,17 @@ class Problem:
 class Optimum:
     """Result of a search."""
 
-    x: Array  # The best point (d,); where nothing is feasible, the point of the least largest excess
-    objective: float  # ``min_s f_s`` there
-    excess: Array  # ``g_r`` there; (m,)
-    feasible: bool  # Whether every excess is zero or less
+    x: Array  # shape (d,); the best point or, if none is feasible, the point whose largest excess is least
+    objective: float  # ``min_s f_s`` at x
+    excess: Array  # shape (m,); ``g_r`` at x
+    feasible: bool
 
 
 def maximise(problem: Problem, *, scan: int = 4096) -> Optimum:
-    """Sobol scan, then sequential quadratic programming from the best starts, in epigraph form.
+    """Return the optimum by a Sobol scan and sequential quadratic programming from the best starts.
 
-    The worst case makes objective and limits kink; the epigraph form (one constraint a scenario) is smooth. Where the
-    objective leaves a choice, as when a variable does not move it, the point of the largest margins is taken.
+    The worst case has kinks; the epigraph form, with one constraint per scenario, is smooth. Of points with equal
+    objectives, as when a variable has no effect on it, the one with the largest margins is returned.
     """
     X = 2 * sobol_points(scan, problem.dimension) - 1
     objective, excess = problem.value(X)
@@ -59,20 +59,20 @@ def maximise(problem: Problem, *, scan: int = 4096) -> Optimum:
 
 
 def improve(problem: Problem, x: Array, scale: float) -> Optimum:
-    """Climb from one point only."""
+    """Return the optimum that local searches reach from one point."""
     local = _Local(problem, scale)
     best = _best(problem, [x, local.climb(x)])
     if 0 < _violation(best) < _NEARLY:
         best = _best(problem, [best.x, local.widen_margins(best)])
     if not best.feasible:
-        # the least excess may be far from the best design, and a climb from there may fail: not the first thing to try
+        # tried second, since the least excess may be far from the best design, and a climb from there may fail
         start = local.relax(best.x)
         best = _best(problem, [best.x, start, local.climb(start)])
     return _within(problem, _with_widest_margins(local, best))
 
 
 def retreat(problem: Problem, x: Array) -> Array:
-    """Step back into the limits by shortest Newton steps along the gradients of violated limits."""
+    """Return a point back within the limits by shortest Newton steps along the gradients of violated limits."""
     exceeding: Flags = np.zeros(0, dtype=bool)
     for _ in range(_SEARCH_STEPS):
         rows = problem.value(x[None])[1][0]
@@ -84,7 +84,7 @@ def retreat(problem: Problem, x: Array) -> Array:
 
 
 def _shortest(jacobian: Array, rise: Array, x: Array) -> Array:
-    """The shortest step from x by which rows rise so far; a variable that would leave the box stops at its end."""
+    """Return the shortest step from x, (d,), that raises rows by `rise`; variables stop at the ends of the box."""
     # LAPACK's rotations lose their angle among subnormal numbers
     jacobian = np.where(np.abs(jacobian) > _VANISHING * np.abs(jacobian).max(initial=0.0), jacobian, 0.0)
     step, free = np.zeros(len(x)), np.ones(len(x), dtype=bool)
@@ -99,7 +99,7 @@ def _shortest(jacobian: Array, rise: Array, x: Array) -> Array:
 
 
 def _within(problem: Problem, best: Optimum) -> Optimum:
-    """The same behind its limits: what a search counts as no excess, a verdict may not."""
+    """Return an optimum strictly within its limits, since a verdict may not tolerate the search's excess."""
     largest = best.excess.max(initial=0.0)
     if not best.feasible or largest <= 0:
         return best
@@ -108,14 +108,14 @@ def _within(problem: Problem, best: Optimum) -> Optimum:
 
 
 def _with_widest_margins(local: "_Local", best: Optimum) -> Optimum:
-    """Take the largest margins where the objective leaves a choice."""
+    """Return the point of largest margins among those with the optimum's objective."""
     if best.feasible and best.excess.size:
         best = _best(local.problem, [best.x, local.widen_margins(best)], tie=_TIE * local.scale)
     return best
 
 
 def _best(problem: Problem, candidates: list[Array], tie: float = 0.0) -> Optimum:
-    """Least violation first, then the objective; a later candidate that ties in both is preferred."""
+    """Return the candidate of least violation, then of highest objective; of ties in both, the last."""
     best = _judge(problem, candidates[0])
     for x in candidates[1:]:
         other = _judge(problem, x)
@@ -135,7 +135,7 @@ def _judge(problem: Problem, x: Array) -> Optimum:
 
 
 def _apart(ranked: Array, count: int) -> Array:
-    """The best points that keep some distance from each other."""
+    """Return the first of the ranked points (n, d) that keep a distance from each other, (count, d) at most."""
     chosen = [ranked[0]]
     for x in ranked[1:]:
         if len(chosen) == count:
@@ -147,23 +147,23 @@ def _apart(ranked: Array, count: int) -> Array:
 
 @dataclass(frozen=True)
 class _Local:
-    """Local searches: variables z = (x, level), where level bounds the objective below or every excess above."""
+    """Local searches over z = (x, level), where level is a lower bound of the objective or an upper one of excesses."""
 
     problem: Problem
     scale: float
 
     def relax(self, start: Array) -> Array:
-        """The least largest excess near an infeasible start; a feasible start itself."""
+        """Return the point of least largest excess near an infeasible start, or a feasible start itself."""
         excess = self.problem.value(start[None])[1].max(initial=-np.inf)
         return start if excess <= 0 else self._search(start, float(excess), rise=False, floor=None)
 
     def climb(self, start: Array) -> Array:
-        """The best worst case under the limits."""
+        """Return the point of the best worst case within the limits near a start."""
         value = float(self.problem.value(start[None])[0].min()) / self.scale
         return self._search(start, value, rise=True, floor=None)
 
     def widen_margins(self, best: Optimum) -> Array:
-        """The largest margins that the best objective leaves."""
+        """Return the point of the largest margins that the best objective allows."""
         return self._search(best.x, float(best.excess.max()), rise=False, floor=best.objective / self.scale - _TIE)
 
     def _search(self, x: Array, level: float, *, rise: bool, floor: float | None) -> Array:
@@ -196,12 +196,9 @@ class _Local:
             last, stalled = z, False
 
             def check(xk: Array) -> None:
-                """End a program whose iterates stand still: it would go on for ever, in searches that rounding decides.
-
-                Its model of the curvature is then of no use: the search goes on with a new one.
-                """
+                """Stop a program whose iterates stall, or it may never end; the next round has new curvature."""
                 nonlocal last, stalled
-                stalled, last = bool(np.abs(xk - last).max() <= _STANDS), xk.copy()
+                stalled, last = bool(np.abs(xk - last).max() <= _STALLED), xk.copy()
                 if stalled:
                     raise StopIteration
 
@@ -216,17 +213,16 @@ class _Local:
                 options={"maxiter": 100, "ftol": _CONVERGED},
             )
             before, z = z, _settled(np.asarray(search.x), d, margins, margins_slope)
-            if np.abs(z - before).max() <= _STANDS or not stalled:
+            if np.abs(z - before).max() <= _STALLED or not stalled:
                 break
         return np.asarray(z[:d])
 
 
 def _settled(z: Array, d: int, margins: Callable[[Array], Array], slope: Callable[[Array], Array]) -> Array:
-    """Newton steps on the rows that bind, each the shortest that brings them all to zero.
+    """Return z after shortest Newton steps that bring all binding rows to zero.
 
-    Sequential quadratic programming ends at `_CONVERGED`, and would spend many evaluations on what is left. Where as
-    many rows bind as there are variables, as at a kink or an equality, these steps leave rounding; elsewhere they move
-    along the rows' gradients, by which the objective changes next to nothing.
+    They save the many evaluations that sequential quadratic programming needs below `_CONVERGED`. Where as many rows
+    bind as there are variables, as at a kink, they reach rounding; elsewhere they hardly change the objective.
     """
     z = np.append(np.clip(z[:d], -1.0, 1.0), z[d])
     rows = margins(z)

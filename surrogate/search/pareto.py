@@ -1,9 +1,8 @@
-"""Pareto fronts: what several objectives can reach at once, under limits.
+"""Pareto fronts of several objectives under limits, non-convex ones too.
 
-The front is traced by the problem of Pascoletti and Serafini (J. Optim. Theory Appl. 42 (1984) 499): from references
-spread between the best of every objective alone, all objectives rise together as far as they can. Non-convex fronts
-are reached as well. References on the segment between two anchors are those of I. Das and J. E. Dennis (SIAM J. Optim.
-8 (1998) 631); between neighbours found, the front is filled in linearly and sorted exactly.
+From references between the best of every objective alone, all objectives rise together as far as possible (A.
+Pascoletti and P. Serafini, J. Optim. Theory Appl. 42 (1984) 499). Two objectives have references on the segment between
+their anchors (I. Das and J. E. Dennis, SIAM J. Optim. 8 (1998) 631). Between neighbours the front is interpolated.
 """
 
 from dataclasses import dataclass
@@ -14,22 +13,21 @@ from approximation.arrays import Array, Flags
 from approximation.sobol import sobol_points
 from surrogate.search.optimise import Problem, improve, maximise
 
-_ON = 1e-9  # excess that counts as none
+_FEASIBLE = 1e-9  # largest excess of a feasible design
 
 
 @dataclass(frozen=True)
 class Front:
     """Non-dominated designs, sorted by the first objective."""
 
-    x: Array  # Designs (m, d)
-    values: Array  # Their objectives (m, k), larger is better
-    # Least value of every objective over the front and its range, (k,): what a compromise is measured by
-    reference: Array
-    weights: Array
+    x: Array  # shape (m, d); the designs
+    values: Array  # shape (m, k); their objectives, larger is better
+    reference: Array  # shape (k,); least value of every objective over the front
+    weights: Array  # shape (k,); its range
 
 
 def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8, scan: int = 4096) -> Front | None:
-    """Trace the front of a problem whose objective rows are those of several objectives, one after the other."""
+    """Return the front of a problem whose rows are its objectives' scenarios in turn; None if nothing is feasible."""
     X = 2 * sobol_points(scan, problem.dimension) - 1
     anchors = np.array([maximise(_only(problem, k, objectives), scan=min(scan, 1024)).x for k in range(objectives)])
     X = np.concatenate([_feasible(problem, X), _feasible(problem, anchors)])
@@ -56,7 +54,7 @@ def front(problem: Problem, objectives: int, *, points: int = 33, fill: int = 8,
 
 
 def scalarised(problem: Problem, objectives: int, reference: Array, weights: Array) -> Problem:
-    """All objectives at once: the least of ``(f_k - reference_k) / weights_k``, weights > 0, is maximised."""
+    """Return the problem of maximising the least ``(f_k - reference_k) / weights_k``, weights > 0, (k,) each."""
 
     def value(X: Array) -> tuple[Array, Array]:
         rows, excess = problem.value(X)
@@ -75,7 +73,7 @@ def non_dominated(values: Array) -> Flags:
     """Mark the rows of values (m, k) that no other row equals or exceeds in all columns; the first of ties stays."""
     best = np.ones(len(values), dtype=bool)
     order = np.lexsort(-values.T[::-1])
-    if values.shape[1] == 2:  # sorted by the first, the second must rise
+    if values.shape[1] == 2:  # in descending order of the first column, the second must rise
         second = values[order, 1]
         before = np.concatenate([[-np.inf], np.maximum.accumulate(second)[:-1]])
         best[order] = second > before
@@ -87,7 +85,7 @@ def non_dominated(values: Array) -> Flags:
 
 
 def _references(values: Array, ends: Array, points: int) -> Array:
-    """Points from which the objectives rise: on the segment of two anchors, else spread over the scanned front."""
+    """Return references (m, k) on the segment between two anchors, otherwise spread over the scanned front."""
     if ends.shape[1] == 2 and len(ends) == 2:
         share = np.linspace(0, 1, points)[:, None]
         return np.asarray(ends[0] * (1 - share) + ends[1] * share)
@@ -102,7 +100,7 @@ def _references(values: Array, ends: Array, points: int) -> Array:
 
 
 def _between(designs: Array, values: Array, count: int) -> Array:
-    """About `count` designs on the lines between neighbours, most where the front between them is longest."""
+    """Return about `count` designs, (m, d), on the lines between neighbours, most where the front has wide gaps."""
     gaps = np.sqrt(np.abs(np.prod(np.diff(values[:, :2], axis=0), axis=1)))
     shares = gaps / gaps.sum() if gaps.sum() > 0 else gaps
     parts = [
@@ -113,7 +111,7 @@ def _between(designs: Array, values: Array, count: int) -> Array:
 
 
 def _only(problem: Problem, k: int, objectives: int) -> Problem:
-    """One of the objectives alone."""
+    """Return the problem with objective k only."""
 
     def value(X: Array) -> tuple[Array, Array]:
         rows, excess = problem.value(X)
@@ -127,9 +125,9 @@ def _only(problem: Problem, k: int, objectives: int) -> Problem:
 
 
 def _worst(problem: Problem, X: Array, objectives: int) -> Array:
-    """Every objective's worst scenario, (n, k)."""
+    """Return every objective's worst scenario, (n, k), at points X, (n, d)."""
     return np.asarray(problem.value(X)[0].reshape(len(X), objectives, -1).min(-1))
 
 
 def _feasible(problem: Problem, X: Array) -> Array:
-    return np.asarray(X[problem.value(X)[1].max(1, initial=-np.inf) <= _ON])
+    return np.asarray(X[problem.value(X)[1].max(1, initial=-np.inf) <= _FEASIBLE])

@@ -14,7 +14,9 @@ from solver.fields import EVERY_FIELD, EVERY_INTERIOR
 from solver.material.constants import ANY_SIZE, UNITS
 from solver.names import ALL_QUANTITIES, HEAT_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers, weight_of
-from tests.solver.cases import assert_alike, refused, without
+from tests.refusals import assert_refused
+from tests.solver.cases import PZT, assert_alike, refused, without
+from verification.cases import constants
 
 Case = dict[str, Any]
 X, Y = [-1.4, -0.5, 0.3, 2.0], [-0.2, -3.0]
@@ -165,10 +167,8 @@ def test_bad_factors_and_positions_are_refused_in_one_line(case: Case) -> None:
         ([np.nan], [-1.0], None, "^x: nan"), ([], [-1.0], None, "^x: not a list"),
         ([0.0], [-1.0], ["stress"], "^fields: 'stress' is not one of stress_xx"),
     ):  # fmt: skip
-        with pytest.raises(solver.FactorError, match=words):
-            solver.solve_interior(case, x, y, fields=fields)
-    with pytest.raises(solver.FactorError, match="peaks: 'shear' is not one of"):
-        solver.solve(case, peaks=["shear"])
+        assert_refused(solver.FactorError, words, solver.solve_interior, case, x, y, fields=fields)
+    assert_refused(solver.FactorError, "peaks: 'shear' is not one of", solver.solve, case, peaks=["shear"])
 
 
 def slope(answer: Callable[[float], xr.Dataset], step: float) -> xr.Dataset:
@@ -241,17 +241,17 @@ def test_reversed_poling_reverses_the_fields_and_electric_and_magnetic_ones_may_
     case = BODIES[name] | {"magnetic": "conducting"} | ({"base": "rigid"} if "film" in name else {})
     case |= {"friction": 0.3} if "load" in case else {}
     mix = solver.find("BaTiO3-CoFe2O4 50:50")
-    constants: Case = {constant: getattr(mix, constant) for constant in UNITS}
+    entries: Case = {constant: getattr(mix, constant) for constant in UNITS}
 
     def solved(change: Case, T: float, J: float) -> xr.Dataset:
-        material = solver.Material(**constants | change, name="image", any_size=ANY_SIZE)
+        material = solver.Material(**entries | change, name="image", any_size=ANY_SIZE)
         return solver.solve(case | {"material": material, charges[0]: T, charges[1]: J}, X)
 
     T, J = (share * case[pressing(case)[0]] for share in (1e-11, -1e-8))
     plain = solved({}, T, J)
     swapped = {**EXCHANGED, **{other: first for first, other in EXCHANGED.items()}}
-    poled = solved({constant: -constants[constant] for pair in COUPLINGS.items() for constant in pair}, -T, -J)
-    exchanged = solved({constant: constants[other] for constant, other in swapped.items()}, J, T)
+    poled = solved({constant: -entries[constant] for pair in COUPLINGS.items() for constant in pair}, -T, -J)
+    exchanged = solved({constant: entries[other] for constant, other in swapped.items()}, J, T)
     for quantity, values in plain.data_vars.items():
         size = 1e-9 * float(np.abs(values).max())
         odd = {unit.rstrip("-0123456789/") for unit in values.attrs["units"].split()} & {"V", "A", "C", "T", "Wb"}
@@ -263,10 +263,8 @@ def test_reversed_poling_reverses_the_fields_and_electric_and_magnetic_ones_may_
 
 def test_every_name_has_its_powers() -> None:
     assert set(QUANTITY_WEIGHTS) == {*ALL_QUANTITIES, *EVERY_FIELD, *EVERY_INTERIOR, *SIZES}
-    with pytest.raises(ValueError, match="'load' and 'charge' scale alike"):
-        scale_powers("depth", "load", "charge")
-    with pytest.raises(ValueError, match="'temperature' has no known powers"):
-        scale_powers("temperature", "load", "radius")
+    assert_refused(ValueError, "'load' and 'charge' scale alike", scale_powers, "depth", "load", "charge")
+    assert_refused(ValueError, "'temperature' has no known powers", scale_powers, "temperature", "load", "radius")
 
 
 @each_body
@@ -285,12 +283,9 @@ def test_fields_inside_meet_those_on_the_surface(case: Case) -> None:
 
 @each_body
 def test_only_what_needs_c12_is_left_out_or_refused_without_it(case: Case) -> None:
-    constants = {
-        name: float(getattr(solver.find("PZT-4"), name)) for name in ("c11", "c13", "c33", "c44", "e33", "eps33")
-    }
-    lacking = case | {"material": solver.Material.from_mapping({"name": "mine", **constants, "eps11": 6e-9})}
+    mine = {"name": "mine", **without(constants(PZT), "c12")}
+    lacking = case | {"material": solver.Material.from_mapping(mine)}
     assert not {"stress_zz", "von_mises"} & set(solver.solve_interior(lacking, X, Y))
     with pytest.raises(solver.MaterialError, match=r"^mine: c12: missing; von_mises needs it"):
         solver.solve_interior(lacking, X, Y, fields=["von_mises"])
-    with pytest.raises(solver.MaterialError, match=r"c12: missing; .* need"):
-        solver.solve(lacking, peaks=True)
+    assert_refused(solver.MaterialError, r"c12: missing; .* need", solver.solve, lacking, peaks=True)

@@ -34,11 +34,7 @@ def test_cheap_rows_come_out_again(problem: Problem) -> None:
 
 @pytest.mark.parametrize(
     ("answer", "said"),
-    [
-        (None, "missing"),
-        (-2228.757733, "agrees to the last digit"),
-        (-2228.757735, "off by 1.3e-09"),
-    ],
+    [(None, "missing"), (-2228.757733, "agrees to the last digit"), (-2228.757735, "off by 1.3e-09")],
 )
 def test_verdicts(answer: float | None, said: str) -> None:
     assert verdict("-2.228757732e+03", answer) == said

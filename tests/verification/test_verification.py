@@ -12,16 +12,7 @@ import numpy as np
 import pytest
 
 import solver
-from verification import (
-    GROUPS,
-    Findings,
-    Sizes,
-    digits,
-    film_elements,
-    integral_equations,
-    limits,
-    points,
-)
+from verification import GROUPS, Findings, Sizes, digits, film_elements, integral_equations, limits, points
 from verification.cases import SIH_SONG, constants
 from verification.findings import check
 from verification.oracles.fem_film import Layer

@@ -1,13 +1,12 @@
 """Films of the calculator: balls, cones and discs on a few stacks, as Chebyshev series for a browser.
 
-The surface beside cones and discs is insulated, as in ``solver.solve``. Their series are in log(radius/thickness):
-`loads` of loads and edges by channel and cause, `pressures` by place and cause. Materials that do not couple
-magnetically need two channels of three. Air surrounds a ball, as in ``solver.solve``: by dimension two numbers decide
-about it, so `air` has its quantities as series in two variables. A table under other published constants of the film
-or its base makes the band of a figure: to fewer digits, and with the pressure at the centre alone.
+The surface beside cones and discs is insulated. Their series are in log(radius/thickness): `loads` of loads and edges
+by channel and cause, `pressures` by place and cause. Air surrounds a ball, which two dimensionless numbers describe:
+`air` has its quantities as series in both. Tables under other published constants of the film or its base make the band
+of a figure, with fewer digits and the pressure at the centre alone.
 
-The tables take four minutes, so ``films.json`` holds them. ``python -m workflow.calculator.films [FILM ...]`` writes it
-anew.
+The tables take four minutes, so ``films.json`` stores them. ``python -m workflow.calculator.films [FILM ...]`` writes
+it anew.
 """
 
 import json
@@ -34,7 +33,7 @@ from solver.point.system import added_forms
 from solver.point.table import PointKind, window
 from solver.stack.layers import Layer, Stack
 
-#: Films by their title, with the factors that make them.
+#: Factors of films by their title.
 FILMS: dict[str, dict[str, Any]] = {
     "PZT-4 on steel": {"material": "PZT-4", "base": "steel"},
     "PZT-4 on silicon": {"material": "PZT-4", "base": "silicon"},
@@ -42,9 +41,9 @@ FILMS: dict[str, dict[str, Any]] = {
     "AlScN (30 % Sc) on silicon": {"composite": "AlScN", "scandium_fraction": 0.3, "base": "silicon"},
     "PVDF on glass": {"material": "PVDF", "base": "glass"},
 }
-#: How thick they usually are.
+#: Usual thickness of each film.
 THICKNESSES = dict(zip(FILMS, ("50 um", "1 um", "1 um", "1 um", "110 um"), strict=True))
-#: What presses on them.
+#: Materials of the punches.
 PUNCHES = (RIGID_PUNCH, "steel", "tungsten_carbide")
 #: Radius of the contact over the thickness of the film, from and to.
 RANGE = 0.01, 10.0
@@ -58,30 +57,29 @@ _LOGARITHMS = ("contact_radius", "depth", "peak_pressure", "contact_stiffness", 
 _SIGNED = ("charge_per_force", "stroke_per_volt")
 _EXACT, _BAND, _DRAWN = 1e-8, 1e-5, 1e-4  # of the largest coefficient of a series; smaller ones are left out
 _CHANNELS = [0, 1]  # displacement and voltage
-_CAUSES = [0, 1, 3]  # those and the profile, of a ball; that of a cone follows
+_CAUSES = [0, 1, 3]  # displacement, voltage and profile of a ball; the profile of a cone follows
 _SHAPES = (Shape(2.0), Shape(1.0))
 _SHOWN = np.arange(2, SAMPLES.size, 3)  # places at which the pressure is given, the centre among them
 
 
 def top_of(film: dict[str, Any]) -> Material:
-    """The material of a film."""
+    """Return the material of a film."""
     if "material" in film:
         return find(str(film["material"]))
     return compose(str(film["composite"]), (find("BaTiO3"), find("CoFe2O4")), film["scandium_fraction"])
 
 
 def variants(film: dict[str, Any]) -> Iterator[tuple[Material, Material]]:
-    """Top and base of a film: the library's own, then each with its other published constants in turn."""
+    """Yield top and base of a film: the library's, then each with its other published constants in turn."""
     top, base = top_of(film), find(str(film["base"]))
     yield top, base
-    yield from ((other, base) for other in top.variants())
-    yield from ((top, other) for other in base.variants())
+    yield from ((variant, base) for variant in top.variants())
+    yield from ((top, variant) for variant in base.variants())
 
 
 def tables(names: Iterable[str] = FILMS) -> list[dict[str, Any]]:
     """Return the films under every punch, and their `variants` by constants, as rising series of coefficients."""
-    chosen = set(names)
-    return [table for table in _stored() if table["film"] in chosen]
+    return [table for table in _stored() if table["film"] in {*names}]
 
 
 @cache
@@ -107,7 +105,7 @@ def solved(name: str, punch: str) -> dict[str, Any]:
 
 
 def _air(top: Material, base: Material, punch: str, shape: tuple[int, int], precision: float) -> dict[str, Any]:
-    """Ranges, and series by quantity of a ball in air on a film of unit thickness, a row a degree in the load."""
+    """Return ranges, and series by quantity of a ball in air on a film of unit thickness, by degree in the load."""
     load_ends, size_ends = np.log(AIR_RANGE)
     load, size = np.meshgrid(mapped_points(shape[0], *load_ends), mapped_points(shape[1], *size_ends), indexing="ij")
     radius = np.exp(size + load / 4)
@@ -126,7 +124,7 @@ def _air(top: Material, base: Material, punch: str, shape: tuple[int, int], prec
 
 
 def _rows(values: Array, precision: float, logarithms: bool) -> list[list[float]]:
-    """Coefficients of a function of two variables without its small ones."""
+    """Return the coefficients of a function of two variables without the small ones."""
     series = coefficients(np.asarray(coefficients(values).T)).T
     least = precision * (1.0 if logarithms else float(np.abs(series).max()))
     rows = [_short(row, least / max(float(np.abs(row).max()), least)) for row in series]
@@ -135,7 +133,7 @@ def _rows(values: Array, precision: float, logarithms: bool) -> list[list[float]
 
 
 def _table(top: Material, base: Material, punch: str, precision: float, *shown: int) -> dict[str, Any]:
-    """Units and series of a film, kept to a share of their largest coefficients; the pressure at the places shown."""
+    """Return units and series of a film, to a share of their largest coefficients; pressures at the `shown` samples."""
     film = Stack([Layer(top, 1.0)], base)
     kinds = [PointKind(film, (True, True), shape, _compliance(punch)) for shape in _SHAPES]
     rows = [_entries(kinds, place, shown) for place in mapped_points(_TABLE_NODES, *np.log(RANGE))]
@@ -149,7 +147,7 @@ def _table(top: Material, base: Material, punch: str, precision: float, *shown: 
 
 
 def _entries(kinds: list[PointKind], place: float, shown: tuple[int, ...]) -> tuple[Array, Array]:
-    """The layers' contribution at log(a/h): loads and edges (16,), and pressures (sample * 4,)."""
+    """Return the layers' contribution at log(a/h): loads and edges (16,), and pressures (sample * 4,)."""
     number = int(number_of(np.exp(np.array([place])))[0])
     loads, pressures = [], []
     for point_kind, causes in zip(kinds, (_CAUSES, _CAUSES[-1:]), strict=True):
@@ -162,7 +160,7 @@ def _entries(kinds: list[PointKind], place: float, shown: tuple[int, ...]) -> tu
 
 
 def _short(series: Array, precision: float) -> list[float]:
-    """A series without its tail of coefficients below a share of the largest, to as many digits."""
+    """Return a series without its tail of coefficients below a share of the largest, to as many digits."""
     large = np.flatnonzero(np.abs(series) > precision * np.max(np.abs(series)))
     ends = int(large[-1]) + 1 if large.size else 0
     places = int(np.ceil(-np.log10(precision * np.max(np.abs(series))))) + 1 if ends else 0
@@ -180,8 +178,8 @@ def write(names: Iterable[str] = FILMS) -> None:
     """Compute the tables of some films and write all films anew."""
     known = {(table["film"], table["punch"]): table for table in (_stored() if _STORED.exists() else [])}
     known |= {(name, punch): solved(name, punch) for name in names for punch in PUNCHES}
-    every = [known[name, punch] for name in FILMS for punch in PUNCHES if (name, punch) in known]
-    lines = [json.dumps(table, separators=(",", ":"), allow_nan=False, ensure_ascii=False) for table in every]
+    ordered = [known[name, punch] for name in FILMS for punch in PUNCHES if (name, punch) in known]
+    lines = [json.dumps(table, separators=(",", ":"), allow_nan=False, ensure_ascii=False) for table in ordered]
     _STORED.write_text("[\n" + ",\n".join(lines) + "\n]\n", encoding="utf-8")
 
 

@@ -45,7 +45,7 @@ _PREFIXES = ("f", "p", "n", "u", "µ", "μ", "m", "c", "k", "M", "G", "T")
 
 
 def page() -> str:
-    """The page as HTML."""
+    """Return the page as HTML."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined, keep_trailing_newline=True
     )
@@ -59,19 +59,19 @@ def page() -> str:
 
 
 def script(names: tuple[str, ...] = CALCULATING) -> str:
-    """Scripts one after the other, those of numbers for people first."""
+    """Return scripts one after the other, numbers.js first."""
     parts = [NUMBERS, *(TEMPLATES / name for name in names)]
     return "\n".join(part.read_text(encoding="utf-8") for part in parts)
 
 
 def _embedded(content: Any) -> Markup:
-    """Plain data that nothing within can end before its end."""
+    """Return plain data as JSON whose content cannot end the script element."""
     text = json.dumps(content, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
     return Markup(text.replace("<", "\\u003c"))
 
 
 def library() -> dict[str, Any]:
-    """Everything but the tables of films."""
+    """Return the calculator's data but for the tables of films."""
     return {
         "constants": UNITS,
         "defaults": {"eps": VACUUM_PERMITTIVITY, "mu": VACUUM_PERMEABILITY},
@@ -92,8 +92,8 @@ def library() -> dict[str, Any]:
 
 
 def _alloy() -> dict[str, Any]:
-    """Al(1-x)Sc(x)N: every constant is a parabola in x, given by its values at 0, 1/4 and 1/2."""
-    phases = find("BaTiO3"), find("CoFe2O4")  # which this alloy has not
+    """Return Al(1-x)Sc(x)N: every constant is a parabola in x, by its values at 0, 1/4 and 1/2."""
+    phases = find("BaTiO3"), find("CoFe2O4")  # which the alloy does not use
     alloy: Material = compose("AlScN", phases, np.array([0.0, 0.25, 0.5]))
     constants = {name: getattr(alloy, name) for name in UNITS}
     return {
@@ -108,7 +108,7 @@ def _alloy() -> dict[str, Any]:
 
 
 def _marked(material: dict[str, Any]) -> dict[str, Any]:
-    """A material whose limits say where they were not read at their sources."""
+    """Return a material with a mark at limits that were not read at their sources."""
     limits = material["limits"].items()
     return {name: entry for name, entry in material.items() if name != "thermal"} | {
         "limits": {name: limit | {"source": limit["source"] + unverified(limit["source"])} for name, limit in limits}

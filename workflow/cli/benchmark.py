@@ -1,4 +1,4 @@
-"""``meecontact benchmark``: the table of solved problems, and what another code's numbers are worth beside it."""
+"""``meecontact benchmark``: the table of solved problems, and verdicts on another code's numbers."""
 
 import argparse
 import csv
@@ -14,7 +14,7 @@ from workflow.study.reading import InputError, located, number, one_line
 TABLE = Path(__file__).with_name("benchmark.csv")
 _COLUMNS = ("problem", "quantity", "value")
 _MOST_BYTES = 2**20
-#: A number of the table, by problem and quantity.
+#: Problem and quantity of a number in the table.
 Key = tuple[str, str]
 
 
@@ -27,14 +27,14 @@ def benchmark(options: argparse.Namespace) -> None:
         return
     answers = _answers(options.answers, known)
     verdicts = {key: verdict(row["value"], answers.get(key)) for key, row in known.items()}
-    for (problem, quantity), said in verdicts.items():
-        print(one_line(f"{problem:26s} {quantity:20s} {known[problem, quantity]['value']:>17s} {said}"))
-    within = sum(said.startswith("agrees") for said in verdicts.values())
-    print(f"{within} of {len(answers)} numbers agree to the last digit; {len(known) - len(answers)} are missing")
+    for (problem, quantity), words in verdicts.items():
+        print(one_line(f"{problem:26s} {quantity:20s} {known[problem, quantity]['value']:>17s} {words}"))
+    agreeing = sum(words.startswith("agrees") for words in verdicts.values())
+    print(f"{agreeing} of {len(answers)} numbers agree to the last digit; {len(known) - len(answers)} are missing")
 
 
 def verdict(expected: str, answer: float | None) -> str:
-    """Verdict on an answer: it agrees within one unit of the table's last digit, or by how much it is off."""
+    """Return the verdict on an answer: it agrees within one unit of the table's last digit, or its relative error."""
     if answer is None:
         return "missing"
     exact = float(expected)
@@ -46,7 +46,7 @@ def verdict(expected: str, answer: float | None) -> str:
 
 
 def _rows(path: Path) -> tuple[dict[int, dict[str, str]], str]:
-    """Rows of a table with a header, as texts by line of the file, and what separates the cells."""
+    """Return the rows of a table with a header, as texts by line of the file, and the separator of cells."""
     table = sheet(path, _MOST_BYTES)
     with located(path, (UnicodeDecodeError, csv.Error)), table.open() as file:
         header, *rows = list(table.rows(file, _MOST_BYTES)) or [(0, [""])]
@@ -56,7 +56,7 @@ def _rows(path: Path) -> tuple[dict[int, dict[str, str]], str]:
 
 
 def _answers(path: Path, known: Mapping[Key, Any]) -> dict[Key, float]:
-    """The numbers of a file, each of the table."""
+    """Read the numbers of a file; each must be in the table."""
     answers: dict[Key, float] = {}
     rows, separator = _rows(path)
     if not rows:

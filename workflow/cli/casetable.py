@@ -1,4 +1,4 @@
-"""Tables of cases that people write: CSV with a header of factor names, read in bounded memory and time."""
+"""Tables of cases: CSV with a header of factor names, read in bounded memory and time."""
 
 import csv
 import sys
@@ -48,11 +48,9 @@ _COLUMNS = (*TEXT_FACTORS, *FACTORS)
 class Table:
     """Cases by column."""
 
-    source: str  # What the table was read from
-    # One array a factor, one entry a case: numbers as float64, NaN where the cell is empty; names as objects, None
-    # where the cell is empty
-    columns: dict[str, NDArray[Any]]
-    lines: NDArray[np.int64]  # line of the file that each case stands on; none of what was not read from a file
+    source: str  # file or option
+    columns: dict[str, NDArray[Any]]  # by factor, (case,): float64 or names as objects; NaN or None in empty cells
+    lines: NDArray[np.int64]  # line in the file, (case,); empty for an option
     bare: frozenset[str] = frozenset()  # columns with a number that has no unit
 
     @property
@@ -61,7 +59,7 @@ class Table:
         return len(next(iter(self.columns.values())))
 
     def at(self, row: int) -> str:
-        """Return file and line of a case, for messages."""
+        """Return file and line of a case for messages."""
         return f"{self.source}: line {self.lines[row]}" if self.lines.size else self.source
 
     def empty(self, name: str) -> NDArray[np.bool_]:
@@ -69,7 +67,7 @@ class Table:
         return np.asarray(pd.isna(self.columns[name]))
 
     def numbers(self, name: str, needs: str) -> NDArray[np.float64]:
-        """A column of numbers of which every row of a file has one."""
+        """Return a column of numbers, (case,); InputError for an empty cell in a file."""
         if name not in self.columns:
             raise InputError(f"{self.source}: {name}: missing; {needs}")
         column = self.columns[name]
@@ -81,7 +79,7 @@ class Table:
 
 
 def one_case(option: str, text: str, units: Mapping[str, str] | None = None) -> Table:
-    """One case from an option ``NAME=VALUE,...``: of factors, or of names with their units."""
+    """Read one case from an option ``NAME=VALUE,...``, of factors, or of names with their units."""
     columns: dict[str, NDArray[Any]] = {}
     bare = set()
     for name, value in named(option, text, valued=True).items():
@@ -89,7 +87,7 @@ def one_case(option: str, text: str, units: Mapping[str, str] | None = None) -> 
             unit, factor = (FACTORS[name].units, name) if units is None else (units[name], "")
             columns[name] = np.array([quantity(f"{option}: {name}", value, unit, factor)])
             bare |= {name} if is_number(value) else set()
-        else:  # a name, or what the solver or the surrogate does not know
+        else:  # a name, or a factor that solver or surrogate will refuse
             columns[name] = np.array([value], dtype=object)
     return Table(option, columns, np.empty(0, dtype=np.int64), frozenset(bare))
 
@@ -97,21 +95,15 @@ def one_case(option: str, text: str, units: Mapping[str, str] | None = None) -> 
 def read_cases(path: Path, measured: Mapping[str, str] = MappingProxyType({})) -> Table:
     """Read a table of cases: a header of factor names, then one row a case; a cell may be empty.
 
-    A number may have its unit behind it, as ``20 um``, or its column has it, as ``thickness [um]`` or in a row of units
-    below the header; the table holds SI units. A row that begins with # is a remark. ``measured`` has further columns
-    of numbers with their units.
+    A number may have its unit behind it, as ``20 um``, or in the header, or in a row of units below the header; the
+    table holds SI units. A row that begins with # is a remark. ``measured``: units of further columns by name.
     """
-    (table,) = _tables(path, measured, None)
+    (table,) = read_blocks(path, None, measured)
     return table
 
 
-def read_blocks(path: Path, rows: int) -> Iterator[Table]:
-    """Read a table of any length block by block, each of at most so many cases."""
-    return _tables(path, {}, rows)
-
-
-def _tables(path: Path, measured: Mapping[str, str], rows: int | None) -> Iterator[Table]:
-    """Tables of at most so many rows each, or one table."""
+def read_blocks(path: Path, rows: int | None, measured: Mapping[str, str] = MappingProxyType({})) -> Iterator[Table]:
+    """Read a table of any length in blocks of at most so many cases, or one table of limited size for None."""
     try:
         file = sheet(path, _LARGEST if rows is None else sys.maxsize)
         with file.open() as text:
@@ -123,31 +115,31 @@ def _tables(path: Path, measured: Mapping[str, str], rows: int | None) -> Iterat
 
 
 def _empty(header: Collection[str]) -> tuple[dict[str, Any], "array[int]"]:
-    """Columns, arrays of numbers or lists of names, and lines, without rows."""
+    """Return empty columns, arrays of numbers or lists of names, and lines."""
     return {name: [] if name in TEXT_FACTORS else array("d") for name in header}, array("q")
 
 
 @dataclass(frozen=True)
 class _Reader:
-    """A table's file, and the columns of numbers that it may have beside factors."""
+    """Reader of a table's file, which may have columns of numbers beside factors."""
 
     sheet: Sheet
     measured: Mapping[str, str]  # units by name
 
     @property
     def known(self) -> tuple[str, ...]:
-        """Names of the columns that a table may have, but for own names of layers."""
+        """Names of the columns that a table may have; own names of layers come on top."""
         return (*_COLUMNS, *self.measured)
 
     def tables(self, file: TextIO, most: int | None) -> Iterator[Table]:
-        """The table of a file, in blocks of at most so many cases if that is given."""
+        """Yield the table of a file, in blocks of at most so many cases if that is given."""
         path = self.sheet.path
         rows = self.sheet.rows(file, _MOST_LINES if most is None else sys.maxsize)
         units_of_columns = self.header(next(rows, (0, [""]))[1], rows)
         header = list(units_of_columns)
         second = next(rows, None)
-        if second and (behind := self.units_row(header, second[1])):
-            units_of_columns |= {name: unit for name, unit in behind.items() if units_of_columns[name] is None}
+        if second and (units_below := self.units_row(header, second[1])):
+            units_of_columns |= {name: unit for name, unit in units_below.items() if units_of_columns[name] is None}
             second = next(rows, None)
         if second is None:
             raise InputError(f"{path}: needs a header of factor names and at least one case")
@@ -180,14 +172,14 @@ class _Reader:
         yield self.made(columns, lines, bare)
 
     def made(self, columns: Mapping[str, Any], lines: "array[int]", bare: Collection[str]) -> Table:
-        """The table of some rows."""
+        """Return the table of some rows."""
         arrays = {
             name: np.array(cells, dtype=object if name in TEXT_FACTORS else float) for name, cells in columns.items()
         }
         return Table(str(self.sheet.path), arrays, np.array(lines), frozenset(bare))
 
     def header(self, row: list[str], rows: Iterator[tuple[int, list[str]]]) -> dict[str, str | None]:
-        """Names of the columns, and the unit that the header says of each."""
+        """Return the names of the columns, and the unit of each in the header."""
         path, known = self.sheet.path, self.known
         columns: dict[str, str | None] = {}
         last = max((place for place, cell in enumerate(row) if cell.strip()), default=0)
@@ -210,7 +202,7 @@ class _Reader:
         return columns
 
     def unknown(self, cell: str, name: str, unit: str | None, rows: Iterator[tuple[int, list[str]]]) -> str:
-        """Reason for which a column's heading cannot be read, with what was probably meant."""
+        """Return the reason for which a heading cannot be read, with the probable name."""
         if not cell.strip() and not any(True for _ in islice(rows, 1)):
             raise InputError(f"{self.sheet.path}: is empty: needs a header of factor names and at least one case")
         if not cell.strip():
@@ -227,7 +219,7 @@ class _Reader:
         return f"unknown {kind}; all names: meecontact list factors"
 
     def units_row(self, header: list[str], row: list[str]) -> dict[str, str]:
-        """Units by column, where a row below the header has nothing else."""
+        """Return the units by column of a row below the header; empty where it has other cells."""
         units_of_columns = {}
         for name, cell in zip(header, row, strict=False):
             text = cell.strip().strip("[]()").strip()
@@ -239,11 +231,11 @@ class _Reader:
         return units_of_columns
 
     def units_of(self, name: str) -> str:
-        """SI units of a column of numbers."""
+        """Return the SI units of a column of numbers."""
         return self.measured.get(name) or FACTORS[name].units
 
     def scale(self, name: str, unit: str) -> float:
-        """The factor that takes numbers of a column to SI units; 1 of temperatures in degrees Celsius."""
+        """Return the factor to SI units for numbers of a column; 1 for temperatures in degrees Celsius."""
         if unit in units.CELSIUS and self.units_of(name) == "K":
             return 1.0
         with located(f"{self.sheet.path}: column {name!r}"):
@@ -253,7 +245,7 @@ class _Reader:
         return parsed.scale
 
     def number(self, name: str, text: str, scale: float, unit: str | None, bare: set[str]) -> float:
-        """A cell of numbers in SI units, NaN where it is empty; ValueError for any other text."""
+        """Read a number in SI units, NaN from an empty cell; ValueError for any other text."""
         if not text:
             return np.nan
         value = quick_number(text) if scale == 1 else None
@@ -274,7 +266,7 @@ class _Reader:
         return value
 
     def with_unit(self, name: str, text: str) -> float:
-        """A cell that has its own unit, whatever the column's."""
+        """Read a cell with its own unit, whatever the column's."""
         try:
             return units.in_si(text, self.units_of(name))
         except ValueError as error:
@@ -282,11 +274,11 @@ class _Reader:
             raise ValueError(str(error) if mismatch else f"{text!r} is not {self.allowed(name)}") from None
 
     def allowed(self, name: str) -> str:
-        """Numbers of a column in words."""
+        """Return the allowed numbers of a column in words."""
         return f"a finite number [{self.measured[name]}]" if name in self.measured else FACTORS[name].allowed
 
     def name(self, name: str, text: str) -> str | None:
-        """A cell of names; None where it is empty."""
+        """Read a cell of names; None where it is empty."""
         if not text:
             return None
         if text not in (allowed := CHOICES.get(name, (text,))) or (name in MATERIALS and missing(text)):
@@ -296,7 +288,7 @@ class _Reader:
         return sys.intern(text)  # stored once, however often it occurs
 
     def hint(self, row: list[str]) -> str:
-        """Probable cause of a row of other length than the header's."""
+        """Return the probable cause of a row of other length than the header's."""
         if self.sheet.separator == "," and len(row) > 1:
             return "; a decimal comma? then separate columns by semicolons or tabs"
         return f" (columns are separated by {self.sheet.separators})"

@@ -77,7 +77,7 @@ def _outputs(model: GaussianProcess, text: str | None) -> Sequence[str]:
 
 
 def _notes(path: Path, model: GaussianProcess, error: float) -> list[str]:
-    """Lines on where the files come from."""
+    """Return lines on the origin of the files."""
     return [
         f"Written by meecontact {version('meecontact')} from {path.name} of {path.resolve().parent.name}.",
         f"SHA-256 of that file: {sha256(path.read_bytes()).hexdigest()}",

@@ -1,4 +1,4 @@
-"""A study from its check to its report: Snakemake, started with the profile that is asked for."""
+"""``meecontact run``: the check of a study, and Snakemake up to its report."""
 
 import argparse
 import json
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _bucket(profile: Path) -> str:
-    """Address below which a profile's storage holds the results; empty where results are in the current folder."""
+    """Return the address of a profile's storage of results; empty where results are in the current folder."""
     entries = yaml.safe_load((profile / "config.yaml").read_text(encoding="utf-8")) or {}
     return str(entries.get("default-storage-prefix", "")).rstrip("/")
 
@@ -93,7 +93,7 @@ def _check_origin(study: Study, provenance: Path) -> None:
 
 
 def _profile(name: str) -> Path:
-    """The folder of a profile: of the current folder before the program's own."""
+    """Return the folder of a profile, in the current folder or else of the program."""
     profiles = {file.parent.name: file.parent for file in SNAKEFILE.parent.glob("profiles/*/config.yaml")}
     profiles |= {file.parent.name: file.parent for file in Path("profiles").glob("*/config.yaml")}
     if name not in profiles:
@@ -111,7 +111,7 @@ def _require_programs() -> None:
 
 
 def _snakemake(arguments: list[str]) -> int:
-    """Snakemake in this process, which has imported by now what the Snakefile needs; its exit status."""
+    """Run Snakemake in this process, which has imported most modules of the Snakefile; return its exit status."""
     from snakemake.cli import main  # slow to import, and not for every command
 
     try:

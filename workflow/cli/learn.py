@@ -1,4 +1,4 @@
-"""``meecontact learn``: measured rows correct a study's surrogate, and what they tell is said in words."""
+"""``meecontact learn``: measured rows correct a study's surrogate; the result in words."""
 
 import argparse
 import json
@@ -21,16 +21,12 @@ from workflow.study import categories, uncertainty
 from workflow.study.model import Study
 from workflow.study.reading import InputError, located, number, one_line
 
-#: What is behind the name of a quantity in the name of the column that has its errors.
+#: Ending of a column of errors behind the name of its quantity.
 ERROR = "_std"
 
 
 def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measurements:
-    """Read measured rows for a study's surrogate.
-
-    The header has every factor of the study, every category, and names of quantities, with or without
-    ``<quantity>_std``: one standard deviation of the error of measurement. Cells of both may be empty.
-    """
+    """Read measured rows: columns of all factors and categories, quantities, and ``<quantity>_std`` of their errors."""
     quantities = {name: ALL_QUANTITIES[name].units for name in study.outputs}
     columns = quantities | {f"{name}{ERROR}": units for name, units in quantities.items()}
     table = read_cases(path, columns)
@@ -44,12 +40,12 @@ def read_measured(path: Path, study: Study, model: GaussianProcess) -> Measureme
         raise InputError(
             f"{table.at(int(row))}: {axis.name} = {X[row, k]:.10g} is outside the trained box {axis.range_text()}"
         )
-    named = _kinds(table, study)
+    combinations = _combinations(table, study)
     rows, outputs, values, errors = [], [], [], []
     for name in quantities:
         for row in np.flatnonzero(_measured(table, name)).tolist():
             rows.append(row)
-            outputs.append(model.outputs_.index(categories.output(name, named[row])))
+            outputs.append(model.outputs_.index(categories.output(name, combinations[row])))
             values.append(float(table.columns[name][row]))
             errors.append(float(table.columns[f"{name}{ERROR}"][row]) if f"{name}{ERROR}" in table.columns else np.nan)
     return Measurements(
@@ -72,8 +68,8 @@ def _check_columns(table: Table, study: Study, measured: list[str], needs: str) 
         raise InputError(f"{table.source}: no measured quantity; known are {', '.join(study.outputs)}")
 
 
-def _kinds(table: Table, study: Study) -> list[dict[str, str]]:
-    """The categories of every row."""
+def _combinations(table: Table, study: Study) -> list[dict[str, str]]:
+    """Return the categories of every row."""
     for name, allowed in study.categories.items():
         for row, value in enumerate(table.columns[name].tolist()):
             if value not in allowed:
@@ -122,7 +118,7 @@ def learn(options: argparse.Namespace) -> None:
 
 
 def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
-    """``NAME`` or ``NAME=5%`` between commas: prior standard deviations by name."""
+    """Return prior standard deviations by name from ``NAME`` or ``NAME=5%`` between commas; None without any."""
     texts = named("--uncertain", words)
     return {name: _share("--uncertain", name, text) if text else None for name, text in texts.items()} or None
 

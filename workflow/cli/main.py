@@ -1,4 +1,4 @@
-"""The command ``meecontact``: solve cases, query a surrogate, check a material, begin, check and run a study."""
+"""The command ``meecontact``: its commands with options and help, and their dispatch."""
 
 import argparse
 import os
@@ -19,11 +19,11 @@ Option = tuple[tuple[str, ...], dict[str, Any]]
 
 
 class Command(NamedTuple):
-    """One command: the function that it calls, its help, example, options and description."""
+    """One command."""
 
     function: str  # module of `workflow.cli` and name; takes the options, and returns an exit status or None
     help: str
-    example: str  # after ``meecontact``; those of questions ask the results of the quickstart
+    example: str  # after ``meecontact``; questions use the results of the quickstart
     options: tuple[Option, ...]
     description: str | None = None
 
@@ -33,7 +33,7 @@ def _command(function: str, words: str, example: str, *options: Option, descript
 
 
 def _option(*names: str, **details: Any) -> Option:
-    """Arguments of `argparse.ArgumentParser.add_argument`."""
+    """Return the arguments of `argparse.ArgumentParser.add_argument`."""
     return names, details
 
 
@@ -254,7 +254,7 @@ COMMANDS = {
 
 
 class _Layout(argparse.HelpFormatter):
-    """Names beside what they mean, and paragraphs that keep lines of their own."""
+    """Help with wide columns of names, and with lines of examples as they are."""
 
     def __init__(self, prog: str) -> None:
         super().__init__(prog, max_help_position=30)
@@ -265,7 +265,7 @@ class _Layout(argparse.HelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """Complains in one line, and says what a command may have been meant to be."""
+    """Parser that refuses in one line, with suggestions for unknown commands."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__(formatter_class=_Layout, **options)
@@ -290,7 +290,7 @@ magneto-electro-elastic bodies.
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line. What a command needs is imported when it is known: half a second before the help."""
+    """Run the command line; modules of a command are imported when it is known, which saves the help half a second."""
     printable_streams()
     parser = _parser()
     try:
@@ -308,14 +308,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings(), one_thread():  # sums that threads share differ in their last digits
             warnings.simplefilter("always", PrecisionWarning)
-            warnings.simplefilter("ignore", SmallStrainWarning)  # of a design the verdict says it
+            warnings.simplefilter("ignore", SmallStrainWarning)  # which the verdict on a design reports
             warnings.showwarning = lambda message, *_: say(f"meecontact: warning: {message}")
             module, _, name = options.function.partition(".")
             return int(getattr(import_module(f"workflow.cli.{module}"), name)(options) or 0)
     except InputError as error:
         return _refuse(f"{error}{_aside(options, error)}")
-    except BrokenPipeError:  # who reads has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nor is there anything left to flush
+    except BrokenPipeError:  # the reader of a pipe has ended
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing is left to flush
         return 0
     except OSError as error:
         return _refuse_file(error)
@@ -335,7 +335,7 @@ def _refuse_file(error: OSError) -> int:
 
 
 class _Version(argparse.Action):
-    """Prints the version, which takes longer to look up than to parse all options."""
+    """Option that prints the version, whose look-up takes longer than parsing all options."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
         from importlib.metadata import version
@@ -345,7 +345,7 @@ class _Version(argparse.Action):
 
 
 def _refusals() -> tuple[type[Exception], ...]:
-    """Return the rooms' own kinds of bad input."""
+    """Return the rooms' errors for bad input."""
     from solver import FactorError, MaterialError
     from surrogate import FormatError, OutOfBoxError
 

@@ -1,4 +1,4 @@
-"""``meecontact material``: the list of what is built in, and one material in full."""
+"""``meecontact material``: the list of the library, and one material in full."""
 
 import argparse
 import textwrap
@@ -24,17 +24,14 @@ from workflow.language.numbers import shown
 from workflow.study.reading import InputError, read_material
 
 _WIDE, _DIGITS = 100, 6  # columns of what is printed, and digits of a constant
-#: What people call the units of permeabilities and of magnetoelectric constants, which are the same.
+#: Usual names of equal units of permeabilities and of magnetoelectric constants.
 _KNOWN_AS = {"N s2 C-2": "H m-1", "N s V-1 C-1": "s m-1"}
 #: Units of the slopes of (u_y, phi, psi) by (sigma_yy, D_y, B_y).
 _COMPLIANCE = (("Pa-1", "V m N-1", "A m N-1"), ("V m N-1", "V m C-1", "A m C-1"), ("A m N-1", "A m C-1", "A2 N-1"))
 
 
 def show(options: argparse.Namespace) -> None:
-    """Print the list of all materials, or one: constants, alternatives, limits, Stroh roots and compliance.
-
-    A punch has its modulus, Poisson's ratio, density and constants for heat.
-    """
+    """Print the list of all materials, or all that is known of one material or punch."""
     name = options.material
     if name is None:
         print(listed())
@@ -45,7 +42,7 @@ def show(options: argparse.Namespace) -> None:
 
 
 def listed() -> str:
-    """Every built-in material: name, a mark where its constants are in doubt, coupling, source."""
+    """Return a line for each library material: name, a mark where its constants are in doubt, coupling, source."""
     known = materials()
     width = max(map(len, known))
     lines = [
@@ -66,7 +63,7 @@ def listed() -> str:
 
 
 def _filled(head: str, text: str) -> str:
-    """A text behind its head, in lines of `_WIDE`, all of which begin at one place."""
+    """Return a text behind its head, in lines of `_WIDE` that begin at one column."""
     return textwrap.fill(
         text, _WIDE, initial_indent=f"{head} ", subsequent_indent=" " * (len(head) + 1), break_on_hyphens=False
     )
@@ -93,7 +90,7 @@ def _of_punch(name: str) -> list[str]:
 
 
 def _sourced(heading: str, values: Mapping[str, Sourced], described: Mapping[str, Described]) -> list[str]:
-    """Lines with values and their sources below a heading; none without values."""
+    """Return lines with values and their sources below a heading; none without values."""
     return [heading] * bool(values) + [
         _filled(f"  {name:16s}  {shown(known.value, described[name].units, _DIGITS):11s}", known.source)
         for name, known in values.items()
@@ -117,7 +114,7 @@ def _of_material(name: str, path: Path) -> str:
 
 
 def _described(material: Material, half: HalfPlane | None) -> str:
-    """Text of a material; of a crystal that only contacts in space take, without what holds for lines."""
+    """Return the text of a material; without `half` that of a crystal for contacts in space."""
     texts = (("source:", material.source), ("note:", material.note))
     lines = [f"{_in_line(material.name)}: admissible"]
     lines += [_filled(label, text) for label, text in texts if text]
@@ -152,13 +149,13 @@ def _described(material: Material, half: HalfPlane | None) -> str:
 
 
 def _row(values: Array, units: Sequence[str]) -> str:
-    """Numbers with their units, one below the other in each column."""
-    said = [shown(float(value), unit, _DIGITS) if value else "0" for value, unit in zip(values, units, strict=True)]
-    return "  " + "".join(f"{number:24s}" for number in said).rstrip()
+    """Return a row of numbers with their units, in columns."""
+    cells = [shown(float(value), unit, _DIGITS) if value else "0" for value, unit in zip(values, units, strict=True)]
+    return "  " + "".join(f"{cell:24s}" for cell in cells).rstrip()
 
 
 def _constant(material: Material, name: str) -> str:
-    """A constant with its unit, and where other sources have it."""
+    """Return a line with a constant, its unit and its range over other sources."""
     units = _units(name)
     line = f"  {name:6s} {shown(float(getattr(material, name)), units, _DIGITS)}"
     if name not in material.spread:
@@ -168,7 +165,7 @@ def _constant(material: Material, name: str) -> str:
 
 
 def _strain_form(material: Material) -> list[str]:
-    """Lines with compliance, charge constants, free permittivity and coupling factors, as a data sheet has them."""
+    """Return lines with compliance, charge constants, free permittivity and coupling factors, as on data sheets."""
     values = {name: float(getattr(material, name)) for name in UNITS}
     if (
         np.isnan(values["c12"])
@@ -188,7 +185,7 @@ def _strain_form(material: Material) -> list[str]:
 
 
 def _units(name: str) -> str:
-    """The unit of a constant, as data sheets have it."""
+    """Return the unit of a constant as data sheets write it."""
     units = (UNITS | TRIGONAL)[name]
     return _KNOWN_AS.get(units, units)
 

@@ -11,7 +11,7 @@ from workflow.language.numbers import counted
 from workflow.study import partition
 from workflow.study.model import Study
 
-#: What the steps of a run do, by rule; names of a job stand for its wildcards.
+#: Work of a run's steps in words, by rule, with the wildcards of a job in braces.
 _RULES = {
     "levels": "choosing the levels on pilots",
     "slab": "solving the data set, part {slab}",
@@ -59,7 +59,7 @@ def step(study: Study, rule: str, wildcards: Mapping[str, str]) -> str:
 
 
 class Progress(logging.Filter):
-    """Prints one counting line on a terminal, or a line a job in a log, in place of Snakemake's; errors pass."""
+    """Filter that prints one counting line on a terminal, or a line a job in a log; errors of Snakemake pass."""
 
     def __init__(self, study: Study, stream: TextIO) -> None:
         super().__init__()
@@ -103,7 +103,7 @@ class Progress(logging.Filter):
 
 
 class _Unprofiled:
-    """Errors as they are, without the line in which Snakemake says whose options it has read: no reader needs it."""
+    """Stream of errors without Snakemake's line about its profile."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream, self._left_out = stream, False
@@ -111,7 +111,7 @@ class _Unprofiled:
     def write(self, text: str) -> int:
         if text.startswith("Using workflow specific profile"):
             self._left_out = True
-        elif self._left_out and text == "\n":  # `print` writes the end of its line for itself
+        elif self._left_out and text == "\n":  # `print` writes the end of its line separately
             self._left_out = False
         else:
             self._stream.write(text)
@@ -123,7 +123,7 @@ class _Unprofiled:
 
 @contextmanager
 def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
-    """Tell what Snakemake's run in this process does, by what the steps of a study do."""
+    """Report the progress of Snakemake's run in this process by the steps of a study."""
     shown, logger = Progress(study, stream or sys.stderr), logging.getLogger("snakemake.logging")
 
     def installed(record: logging.LogRecord) -> bool:
@@ -144,9 +144,9 @@ def followed(study: Study, stream: TextIO | None = None) -> Iterator[None]:
 
 @contextmanager
 def busy(words: str) -> Iterator[None]:
-    """Say on a terminal what takes a while, until it is done; nothing in a log."""
-    said, clear = (f"{_CLEAR}{words} ...", _CLEAR) if sys.stderr.isatty() else ("", "")
-    print(said, end="", file=sys.stderr, flush=True)
+    """Show a message on a terminal while work takes a while; nothing in a log."""
+    message, clear = (f"{_CLEAR}{words} ...", _CLEAR) if sys.stderr.isatty() else ("", "")
+    print(message, end="", file=sys.stderr, flush=True)
     try:
         yield
     finally:

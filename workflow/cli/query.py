@@ -22,7 +22,7 @@ from workflow.study.reading import InputError, located, one_line
 if TYPE_CHECKING:
     from workflow.study.model import Study
 
-#: Figures of a number whose interval says nothing of them, and the fewest and most that an interval asks for.
+#: Digits of a number without an interval, and the fewest and most with one.
 _DIGITS, _WRITTEN_FEWEST, _WRITTEN_MOST = 10, 4, 15
 
 
@@ -54,7 +54,7 @@ def query(options: argparse.Namespace) -> None:
 
 
 def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolate: bool) -> xr.Dataset:
-    """``<output>``, ``<output>_std``, ``_lower`` and ``_upper`` of every output at every row, over ``point``."""
+    """Return ``<output>``, ``<output>_std``, ``_lower`` and ``_upper`` of every output at every row, over ``point``."""
     for name in table.columns:
         if name not in model.box:
             raise InputError(f"{table.source}: {name}: not an input of the surrogate; {nearest(name, list(model.box))}")
@@ -84,7 +84,7 @@ def _predicted(model: GaussianProcess, table: Table, level: float, *, extrapolat
 
 
 def study_of(model: GaussianProcess, text: str) -> "Study":
-    """The study that a surrogate came from, by its name or its file."""
+    """Return the study of a surrogate, by its name or its file."""
     from workflow.study import location  # and the solver: not for every query
     from workflow.study import model as studies
 
@@ -93,13 +93,13 @@ def study_of(model: GaussianProcess, text: str) -> "Study":
         raise InputError(
             f"--exact: the study's factors are {', '.join(study.factors)}; the surrogate's {', '.join(model.box)}"
         )
-    if model.made_from_ not in ("", study.physics):  # "": nobody has said
+    if model.made_from_ not in ("", study.physics):  # "": not recorded
         raise InputError(f"--exact: {study.path}: the surrogate was made from another study, or another state of it")
     return study
 
 
 def _with_exact(answer: xr.Dataset, model: GaussianProcess, table: Table, study: "Study") -> xr.Dataset:
-    """The answer with ``<output>_exact`` beside every output."""
+    """Return the answer with ``<output>_exact`` of every output."""
     from workflow.dataset import factorial
 
     points = {name: xr.DataArray(values, dims="point") for name, values in table.columns.items()}
@@ -129,11 +129,11 @@ def _print_answer(answer: xr.Dataset, outputs: list[str], level: float, *, si: b
 def shown(
     value: float, lower: float, upper: float, units: str = "", level: float = NOMINAL, *, si: bool = False
 ) -> str:
-    """``value [lower, upper] unit (95 %)`` with two figures of the interval's half width."""
+    """Return ``value [lower, upper] unit (95 %)`` with two digits of the interval's half width."""
     scale, text = (1.0, units) if si else prefixed(max(abs(lower), abs(upper)), units)
     value, lower, upper = value / scale, lower / scale, upper / scale
     count = _digits(max(abs(lower), abs(upper)), (upper - lower) / 2)
-    zeros = "#" if upper > lower else ""  # an exact value has no digits to keep
+    zeros = "#" if upper > lower else ""  # an exact value needs no trailing zeros
     middle, low, high = (f"{number:{zeros}.{count}g}".rstrip(".") for number in (value, lower, upper))
     return f"{f'{middle} [{low}, {high}] {text}'.rstrip()} ({100 * level:g} %)"
 

@@ -45,7 +45,7 @@ _REMEDIES = {
     **{10.0**power: f"a factor of {10.0**power:g}" for power in (3, -3, 6, -6, 9, -9, 12, -12)},
     **{-(10.0**power): f"the opposite sign and a factor of {10.0**power:g}" for power in (3, -3, 6, -6)},
 }
-_UNTOLD = 0.8  # share of its range over which a factor's interval tells nothing: a measurement of nothing leaves 0.95
+_UNDETERMINED = 0.8  # share of its range from which a factor's interval tells nothing; without measurement it is 0.95
 
 
 def design(options: argparse.Namespace) -> None:
@@ -68,18 +68,18 @@ def infer(options: argparse.Namespace) -> None:
 
 
 def results(folder: Path, file: Path | None = None) -> tuple[Study, GaussianProcess]:
-    """The study of a folder ``results/<study>`` and its surrogate, or another of its surrogates."""
+    """Return the study of a folder ``results/<study>`` and its surrogate, or another of its surrogates."""
     surrogate = trained(file or folder / "surrogate.nc")
     study = studies.load(location.of_results(folder))
     model = load(surrogate)
-    as_now = model.made_from_ == study.physics
-    if not as_now or list(model.box.values()) != factorial.inputs(study) or list(model.outputs_) != study.output_names:
+    same_inputs = model.made_from_ == study.physics and list(model.box.values()) == factorial.inputs(study)
+    if not same_inputs or list(model.outputs_) != study.output_names:
         raise InputError(f"{surrogate}: was made from another state of the study; run `meecontact run {folder.name}`")
     return study, model
 
 
 def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
-    """The target that the options of the command line describe."""
+    """Return the target that the options of the command line describe."""
     words = renamed(dict(words), study.kind.every_quantity)
     content: dict[str, Any] = {
         "maximise": list(words.get("maximise") or []),
@@ -91,30 +91,30 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         content[key] = _read(key, words, read)
     if robust := words.get("robust"):
         content["robust"] = robust[0]
-    said = {*content["over"], *content["at"], *content["worst_case"], *content["uncertain"]}
+    named_factors = {*content["over"], *content["at"], *content["worst_case"], *content["uncertain"]}
     for name, axis in study.factors.items():
         default = FACTORS[name].default
-        if name not in said and default is not None and axis.low <= default <= axis.high:
+        if name not in named_factors and default is not None and axis.low <= default <= axis.high:
             content["at"][name] = default
     for name in study.categories:
-        if name not in said and _usual(study, name):
-            content["at"][name] = _usual(study, name)
+        if name not in named_factors and _default(study, name):
+            content["at"][name] = _default(study, name)
     try:
-        return Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).meets(study.meeting)
+        return Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).set_meeting(study.meeting)
     except ValidationError as error:
         raise InputError(f"design: {first_problem(error, Target, content)}") from None
 
 
 def _read(key: str, words: Mapping[str, Sequence[str] | None], read: Callable[[str, str, str], Any]) -> dict[str, Any]:
-    """Return what an option says of each name, read by place, name and text."""
+    """Read an option's value for each name, by place, name and text."""
     option = f"--{key.replace('_', '-')}"
     return {name: read(f"{option}: {name}", name, text) for name, text in named(option, words.get(key)).items()}
 
 
-def _usual(study: Study, name: str) -> str:
-    """A category's default, where the study has it."""
-    usual = CHOICES.get(name, ("",))[0]
-    return usual if usual in study.categories[name] else ""
+def _default(study: Study, name: str) -> str:
+    """Return a category's default if the study has it, else an empty text."""
+    default = CHOICES.get(name, ("",))[0]
+    return default if default in study.categories[name] else ""
 
 
 def ask(folder: Path, words: Mapping[str, Sequence[str] | None]) -> Answer:
@@ -139,7 +139,7 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
     readings = np.array([_measured(f"--measured: {name}", name, text) for name, text in measured.items()])
     values, errors = readings.reshape(-1, 2).T
     infer = list(named("--infer", words.get("infer")))
-    point: dict[str, float | str] = {name: _usual(study, name) for name in study.categories}
+    point: dict[str, float | str] = {name: _default(study, name) for name in study.categories}
     point |= _read("at", words, _value)
     with located("invert"):
         for name, point_value in point.items():
@@ -156,11 +156,11 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
             f"{_remedy(inversion, list(measured), values, errors)}"
         )
     rows = zip(infer, estimate.mean, estimate.low, estimate.high, strict=True)
-    return "\n".join(_told(model.box[name], *numbers, si=si) for name, *numbers in rows)
+    return "\n".join(_in_words(model.box[name], *numbers, si=si) for name, *numbers in rows)
 
 
 def _remedy(inversion: Inversion, names: Sequence[str], values: Array, errors: Array) -> str:
-    """The sign or the power of a thousand by which readings would fit, in words; empty where none does."""
+    """Return the sign or the power of a thousand by which readings would fit, in words; empty where none does."""
     subsets = [np.eye(len(names), dtype=bool)[row] for row in range(len(names))]
     subsets += [np.ones(len(names), dtype=bool)] if len(names) > 1 else []
     for factor, words in _REMEDIES.items():
@@ -171,29 +171,29 @@ def _remedy(inversion: Inversion, names: Sequence[str], values: Array, errors: A
             if not np.isfinite(scaled).all() or not ((widths >= SMALLEST_ERROR) & (widths <= LARGEST_ERROR)).all():
                 continue
             if inversion.estimate(scaled, widths).misfit <= _IMPOSSIBLE + len(names):
-                which = " and ".join(name for name, chosen in zip(names, subset, strict=True) if chosen)
-                return f"; {which} would fit with {words}"
+                scaled_names = " and ".join(name for name, chosen in zip(names, subset, strict=True) if chosen)
+                return f"; {scaled_names} would fit with {words}"
     return ""
 
 
 def _learned(study: Study, name: str, combination: Mapping[str, str]) -> str:
-    """The surrogate's output of a measured quantity."""
+    """Return the surrogate's output for a measured quantity."""
     if name not in study.outputs:
         raise InputError(f"--measured: {name}: is not learned by the study; {nearest(name, list(study.outputs))}")
     return output(name, combination)
 
 
-def _told(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str:
-    """A factor with its interval, unless that is little narrower than the study's range."""
+def _in_words(axis: Input, mean: float, low: float, high: float, *, si: bool) -> str:
+    """Return a factor with its interval, or that the interval is hardly narrower than the study's range."""
     units = FACTORS[axis.name].units
-    if axis.to_unit(high) - axis.to_unit(low) > _UNTOLD * 2:  # the range is [-1, 1]
+    if axis.to_unit(high) - axis.to_unit(low) > _UNDETERMINED * 2:  # the range is [-1, 1]
         within = f"the study's range is {shown(axis.low, units)} to {shown(axis.high, units)}"
         return f"{axis.name} cannot be told from this: {within}"
     return f"{axis.name:16s} {query.shown(mean, low, high, units, si=si)}"
 
 
 def _measured(where: str, name: str, text: str) -> tuple[float, float]:
-    """A measured value and one standard deviation of it, in SI; the latter may be a share of the value, as 1%."""
+    """Return a measured value and its standard deviation in SI, which may be written as a share of the value."""
     value, sign, std = text.replace("±", "+-").replace("+/-", "+-").partition("+-")
     if not sign:
         raise InputError(f"{where}: {text!r} is not of the form VALUE+-STD")
@@ -214,7 +214,7 @@ def _measured(where: str, name: str, text: str) -> tuple[float, float]:
 
 
 def _units(name: str) -> str:
-    """Units of a factor or quantity; none of a name that is not known, which is told later."""
+    """Return the units of a factor or quantity; 1 of an unknown name, which is refused later."""
     known = FACTORS.get(name) or ALL_QUANTITIES.get(name)
     return known.units if known else "1"
 
@@ -228,7 +228,7 @@ def _variable(where: str, name: str, text: str) -> dict[str, Any]:
 
 
 def _value(where: str, name: str, text: str) -> float | str:
-    """A number, or one of the names of a category."""
+    """Return a number, or the name of a category."""
     return quantity(where, text, FACTORS[name].units, name) if name in FACTORS else text.strip()
 
 

@@ -1,4 +1,4 @@
-"""``meecontact signal``: a history of forces to what an amplifier reads, as a table, and its figures in words."""
+"""``meecontact signal``: the signal of a history of forces as a table, and its figures in words."""
 
 import argparse
 from functools import partial
@@ -20,7 +20,7 @@ from workflow.cli.words import named, say
 from workflow.device.circuit import Circuit
 from workflow.device.contact import ContactCurves, film
 from workflow.device.signal import DROP, GONE, Figures, History, Signal, Warmth, read
-from workflow.language.given import DESTROYED, lost_unit
+from workflow.language.given import DESTRUCTIVE_PRESSURE, lost_unit
 from workflow.language.numbers import shown
 from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, first_problem, located, number, read_material
@@ -29,7 +29,7 @@ from workflow.study.sections import Amplifier, Device
 _MOST_WRITTEN = 1_000_000  # rows of a table of the signal
 _MOST_PARTS = 1000
 _MOST_TIMES = 10_000_000
-_ROUGH = 1e-6  # of curves that are told to be rough
+_ROUGH = 1e-6  # error of curves that is reported
 _NOISE = 0.02  # of the largest force, down to which a force below 0 counts as noise
 #: Columns of a history beside force or load, with their units.
 _COLUMNS = {"time": "s", "temperature": "K"}
@@ -48,13 +48,13 @@ def signal(options: argparse.Namespace) -> None:
     kind = kind_of([*case], case.get("profile", "cylinder"))
     numbers = _device(options.device, kind)
     length = numbers.get("electrode_length", 1.0)
-    history, bare = read_history(options.history, length if kind.contact == "line" else None)
+    history, is_bare = read_history(options.history, length if kind.contact == "line" else None)
     if len(history.times) * options.parts > _MOST_TIMES:
         raise InputError(f"--parts: {options.parts} of {len(history.times)} rows are more than {_MOST_TIMES} times")
     most = float(history.forces.max())
     pressed = {**case, kind.loads.force: most / length}
     body, material = film(pressed, materials, ("BaTiO3", "CoFe2O4"))
-    if bare:
+    if is_bare:
         _check_unit(options.history, most, solve(pressed, materials=materials))
     contact = ContactCurves.from_case(case, most, length=length, solved=partial(solve, materials=materials), body=body)
     with located("--device"):
@@ -81,7 +81,7 @@ def signal(options: argparse.Namespace) -> None:
 
 
 def read_history(path: Path, length: float | None) -> tuple[History, bool]:
-    """Read a history, and whether its force has no unit; a line's load is multiplied by its length [m]."""
+    """Return a history, and whether its force has no unit; a line's load is multiplied by its length [m]."""
     table = read_cases(path, _COLUMNS)
     pressing = next((name for name in ("force", "load") if name in table.columns), "force")
     if length is None and pressing == "load":
@@ -127,7 +127,7 @@ def _heat_figures(history: History, heat: Array, warm: Warmth, figures: Figures)
 
 
 def _case(text: str) -> dict[str, Any]:
-    """The factors of one case, from a table or from the option itself."""
+    """Read the factors of one case, from a table or from the option itself."""
     table = one_case("--on", text) if "=" in text else read_cases(Path(text))
     if table.count != 1:
         raise InputError(f"{text}: {table.count} cases; a signal is of one")
@@ -135,7 +135,7 @@ def _case(text: str) -> dict[str, Any]:
 
 
 def _device(text: str, kind: Kind) -> dict[str, float]:
-    """Numbers of a study's section ``device``, in SI."""
+    """Read numbers of a study's section ``device``, in SI."""
     values = {name: _plain(value) for name, value in named("--device", text, valued=True).items()}
     amplifier = {name: values.pop(name) for name in Amplifier.model_fields if name in values}
     content = {**values, "amplifier": amplifier}
@@ -162,24 +162,24 @@ def _plain(text: str) -> float | str:
 def _check_unit(path: Path, most: float, solved: xr.Dataset) -> None:
     """Refuse a bare force whose contact would be destroyed: it has probably lost its unit."""
     peak = float(solved["peak_pressure"].values.max()) if "peak_pressure" in solved else 0.0
-    if DESTROYED < peak < np.inf:
+    if DESTRUCTIVE_PRESSURE < peak < np.inf:
         raise InputError(f"{path}: force: {lost_unit(most, 'N', peak)}")
 
 
 def _write(path: Path, history: History, reading: Signal, heat: Array | None = None) -> int:
-    """Write a signal as a table, thinned to the extremes of groups of rows where it is long; number of its rows."""
+    """Write a signal as a table, a long one thinned to the extremes of groups of rows; return the number of rows."""
     columns = {"time [s]": history.times, "force [N]": history.forces, "charge [C]": reading.charge}
     columns |= {"voltage [V]": reading.voltage, "output [V]": reading.output}
     if heat is not None and history.temperatures is not None:
         columns |= {"temperature [K]": history.temperatures, "heat charge [C]": heat}
-    rows = _drawn_rows(reading.voltage, history.forces)
+    rows = _written_rows(reading.voltage, history.forces)
     with writing(path) as file:
         write_columns(file, {heading: values[rows] for heading, values in columns.items()})
     return len(rows)
 
 
-def _drawn_rows(voltage: Array, forces: Array) -> Indices:
-    """Rows that are written: all, or of groups of equal length the first one and those of extreme voltage and force."""
+def _written_rows(voltage: Array, forces: Array) -> Indices:
+    """Return all rows, or of groups of equal length the first one and those of extreme voltage and force."""
     count = len(voltage)
     if count <= _MOST_WRITTEN:
         return np.arange(count)

@@ -1,4 +1,4 @@
-"""``meecontact solve`` and ``meecontact interior``: a table of cases, and its exact answer as a file."""
+"""``meecontact solve`` and ``meecontact interior``: tables of cases to exact answers."""
 
 import argparse
 import warnings
@@ -40,32 +40,35 @@ from storage.netcdf import write_whole
 from workflow.cli.casetable import Table, one_case, read_blocks, read_cases
 from workflow.cli.textfile import write_columns
 from workflow.cli.words import numbers, say
-from workflow.language.given import DESTROYED, lost_unit
+from workflow.language.given import DESTRUCTIVE_PRESSURE, lost_unit
 from workflow.study.reading import InputError, one_line, read_material
 
 _NAMED = 8  # quantities that a message names
-_PHASES = ("BaTiO3", "CoFe2O4")  # of a composite, as the solver has them
+_PHASES = ("BaTiO3", "CoFe2O4")  # the solver's phases of a composite
 _PRINTED = 6  # digits of a printed value
 _DEFAULTS: dict[str, float | str | None] = {name: factor.default for name, factor in FACTORS.items()}
 _DEFAULTS |= {name: choices[0] for name, choices in CHOICES.items() if name not in ("composite", "corner")}
-# a case without: a half-plane, a rigid punch
+# a case without these is on a half-plane, under a rigid punch
 _DEFAULTS |= {name: np.nan if name in FACTORS else "" for name in (*OF_A_FILM, *OF_A_PUNCH)}
-# choices by which cases have unlike outputs
-_APART = ("profile", "corner", "electric", "magnetic", "surroundings", "electrode")
+# choices that decide which outputs a case has
+_OUTPUT_CHOICES = ("profile", "corner", "electric", "magnetic", "surroundings", "electrode")
 _CASES = 512  # solved at a time at most: searched contacts (tilted flats) take 100 kB of temporaries each
-_CLOSED = 2**14  # of those in closed form
+_CLOSED_FORM_CASES = 2**14  # the same in closed form
 _VALUES = 2**17  # of a field at a time: some hundred temporaries of 8 bytes each inside the body
 _BLOCK = 2**16  # cases of a written table at a time: some 200 MB with answers and texts
-_MOST_BYTES = 2**32  # of an answer, which is kept in memory until it is written
-_OF_OPTIONS = ("positions", "x", "y", "fields")  # what a message opens with that is about no row
+_MOST_BYTES = 2**32  # of an answer, which stays in memory until it is written
+_OF_OPTIONS = ("positions", "x", "y", "fields")  # first words of messages that are about no row
 _REFUSALS = (FactorError, MaterialError, np.linalg.LinAlgError)
 
 
 def solve_table(options: argparse.Namespace) -> None:
-    """Solve a table and write its answer, as the options say: as a table block by block."""
+    """Solve a table and write its answer, as the options say; a table of answers is written block by block."""
     _check_files(options)
     if options.output is not None and options.output.suffix == ".csv":
-        _solve_blocks(options)
+        columns: dict[str, str] = {}
+        while (count := _write_blocks(options, columns)) is None:
+            pass  # a block has further columns: all rows again, with those of all blocks so far
+        _tell_written(options, count, f"{sum(name in ALL_QUANTITIES for name in columns)} quantities")
         return
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
@@ -93,16 +96,8 @@ def _check_files(options: argparse.Namespace) -> None:
     options.known = dict(read_material(path) for path in options.materials)
 
 
-def _solve_blocks(options: argparse.Namespace) -> None:
-    """Solve a table block by block into a file that appears whole."""
-    columns: dict[str, str] = {}
-    while (count := _written(options, columns)) is None:
-        pass  # a block has further columns: all rows again, with those of all blocks so far
-    _tell_written(options, count, f"{sum(name in ALL_QUANTITIES for name in columns)} quantities")
-
-
-def _written(options: argparse.Namespace, columns: dict[str, str]) -> int | None:
-    """Number of cases of a table that were written; None where a block has further columns, which are added."""
+def _write_blocks(options: argparse.Namespace, columns: dict[str, str]) -> int | None:
+    """Write answers block by block, and return their number; None where a block adds further columns."""
     count, strains = 0, list[Excess]()
     missing: dict[str, None] | None = None
     incomplete: dict[str, None] = {}
@@ -133,18 +128,21 @@ def _written(options: argparse.Namespace, columns: dict[str, str]) -> int | None
 
 
 class _FurtherColumnsError(Exception):
-    """A block of a long table has columns that no block before had."""
+    """A block of a long table has columns that earlier blocks lack."""
 
 
 def _lacking(table: Table, out: xr.Dataset) -> tuple[list[str], list[str]]:
-    """Quantities that no case has, and those that some case lacks."""
+    """Return the quantities that no case has, and those that some case lacks."""
     names = [str(name) for name in out.coords]
-    around = out["surroundings"].values.flat if "surroundings" in names else [CHOICES["surroundings"][0]]
-    pressed = out["profile"].values.flat if "profile" in names else [CHOICES["profile"][0]]
+    profiles, surroundings = (
+        dict.fromkeys(out[name].values.flat) if name in names else [CHOICES[name][0]]
+        for name in ("profile", "surroundings")
+    )
     known = {str(value) for name in ("material", "base") if name in names for value in out[name].values.flat}
-    kinds = [kind_of(names, *pair, known) for pair in product(dict.fromkeys(pressed), dict.fromkeys(around))]
+    kinds = [kind_of(names, *pair, known) for pair in product(profiles, surroundings)]
     quantities = list(dict.fromkeys(name for kind in kinds for name in kind.quantities))
-    missing = [name for name in quantities if name not in out and name not in _unasked(table)]
+    optional = _optional_quantities(table)
+    missing = [name for name in quantities if name not in out and name not in optional]
     return missing, [name for name in quantities if name in out and bool(out[name].isnull().any())]
 
 
@@ -160,7 +158,7 @@ def _tell_missing(missing: Sequence[str], incomplete: Sequence[str], heat: str) 
 
 
 def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
-    """A line for each quantity of a case: name, value, unit."""
+    """Yield a line for each quantity of a case: name, value, unit."""
     for name, (value, unit) in solver.table(case).iterrows():
         plain = float(case[name].values.item()), written(ALL_QUANTITIES[str(name)].units)
         value, unit = plain if si else (value, unit)
@@ -168,7 +166,7 @@ def _lines(case: xr.Dataset, *, si: bool) -> Iterator[str]:
 
 
 def _notes(table: Table, out: xr.Dataset, known: Mapping[str, Material]) -> Iterator[str]:
-    """Lines with the defaults that the one case of a table takes, and with the effects that the model leaves out."""
+    """Yield lines with the defaults of the one case of a table, and with the effects that the model leaves out."""
     # a table needs neither studies nor designs
     from workflow.design.verdict import leftout
     from workflow.study.allowable import allowable
@@ -188,11 +186,12 @@ def _notes(table: Table, out: xr.Dataset, known: Mapping[str, Material]) -> Iter
     taken |= {"surroundings": surroundings} if kind.layered else {}
     taken |= {"datum": "1 m"} if kind.contact == "line" else {}
     yield "defaults: " + ", ".join(f"{name} {value}" for name, value in taken.items() if name not in case)
-    solved, limit = partial(solve, materials=known), partial(allowable, factors=case, materials=known, phases=_PHASES)
-    single = leftout.SolvedCase(kind, case, solved, limit, {}, materials=known)
+    solve_case = partial(solve, materials=known)
+    limit = partial(allowable, factors=case, materials=known, phases=_PHASES)
+    solved_case = leftout.SolvedCase(kind, case, solve_case, limit, {}, materials=known)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SmallStrainWarning)  # which the case itself has shown
-        yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(single)]
+        yield from [one_line(f"left out: {effect.left_out_words}") for effect in leftout.budget(solved_case)]
 
 
 def _check_units(table: Table, out: xr.Dataset) -> None:
@@ -201,15 +200,15 @@ def _check_units(table: Table, out: xr.Dataset) -> None:
         if "peak_pressure" not in out:
             continue
         pressures = np.broadcast_to(out["peak_pressure"].values, out.sizes["case"])
-        crushed = (pressures > DESTROYED) & np.isfinite(pressures) & ~table.empty(name)
-        if crushed.any():
-            row = int(crushed.argmax())
+        excessive = (pressures > DESTRUCTIVE_PRESSURE) & np.isfinite(pressures) & ~table.empty(name)
+        if excessive.any():
+            row = int(excessive.argmax())
             value, unit = float(table.columns[name][row]), FACTORS[name].units
             raise InputError(f"{table.at(row)}: {name}: {lost_unit(value, unit, float(pressures[row]))}")
 
 
-def _unasked(table: Table) -> set[str]:
-    """Quantities that nobody misses: of electrodes, of heat and of sliding points, where no case has such a factor."""
+def _optional_quantities(table: Table) -> set[str]:
+    """Return the quantities of electrodes, heat and sliding points, where no case has factors of these."""
     electrodes = () if {*OF_AN_ELECTRODE} & {*table.columns} else (*ELECTRODE_QUANTITIES,)
     heat = () if {*OF_HEAT} & {*table.columns} else (*HEAT_QUANTITIES,)
     return {*electrodes, *heat, *(() if "friction" in table.columns else POINT_SLIDING)}
@@ -233,7 +232,7 @@ def solve_inside(options: argparse.Namespace) -> None:
 def _solved(
     options: argparse.Namespace, answer: Callable[[xr.Dataset], xr.Dataset], points: int, *, checked: bool = False
 ) -> tuple[Table, xr.Dataset]:
-    """A table of cases, and the answer to it; checked: whether bare forces are judged by their pressures before."""
+    """Return a table of cases and its answer; checked: whether bare forces are judged by their pressures before."""
     table = one_case("--at", options.at) if options.cases is None else read_cases(options.cases)
     if options.output is None and (table.count > 1 or options.positions is not None):
         what = "fields" if options.positions is not None else f"{table.count} cases"
@@ -250,14 +249,14 @@ def _tell_written(options: argparse.Namespace, count: int, what: str) -> None:
 def solved(
     table: Table, solve: Callable[[xr.Dataset], xr.Dataset], points: int = 1, strains: list[Excess] | None = None
 ) -> xr.Dataset:
-    """Return outputs over dimension ``case`` in the order of the rows, with progress on a terminal.
+    """Solve a table with progress on a terminal; contacts beyond small strain join `strains`, or cause a warning.
 
-    Contacts beyond small strain are warned of, or else join those that were found.
+    Returns outputs over dimension ``case`` in the order of the rows.
     """
     table = _surrounded(table)
-    # cylinders on half-planes the solver parts itself
-    most = _CASES if {"profile", "thickness", "surroundings"} & table.columns.keys() else _CLOSED
-    excesses, parts, taken, size = list[Excess](), list[xr.Dataset](), list[Indices](), 0.0
+    # the solver itself divides cylinders on half-planes
+    most = _CASES if {"profile", "thickness", "surroundings"} & table.columns.keys() else _CLOSED_FORM_CASES
+    excesses, parts, rows_of_parts, size = list[Excess](), list[xr.Dataset](), list[Indices](), 0.0
     with tqdm(total=table.count, unit=" cases", delay=2, disable=None, leave=False) as bar:
         for names, rows in _blocks(table, min(most, max(1, _VALUES // points))):
             try:
@@ -275,17 +274,17 @@ def solved(
             if size > _MOST_BYTES:
                 raise InputError(f"{table.source}: {table.count} cases give more than {_MOST_BYTES} bytes; split it")
             parts.append(part)
-            taken.append(rows)
+            rows_of_parts.append(rows)
             bar.update(len(rows))
     if strains is not None:
         strains += excesses
     elif excesses:
         say(f"meecontact: warning: {sentence(excesses, table.count)}")
-    return joined(taken, parts)
+    return joined(rows_of_parts, parts)
 
 
 def _surrounded(table: Table) -> Table:
-    """With what is beside every contact where any is a film, by which cases have unlike outputs."""
+    """Return the table with the surroundings of every contact where any is a film: they decide the outputs."""
     around = settled({name: xr.DataArray(cells, dims="case") for name, cells in table.columns.items()})
     if "surroundings" not in around:
         return table
@@ -294,20 +293,17 @@ def _surrounded(table: Table) -> Table:
 
 
 def _blocks(table: Table, most: int) -> Iterator[tuple[list[str], Indices]]:
-    """Rows that are solved together, and the factors that they have.
-
-    Every block of a pattern takes its rows from all over the table. The solver iterates until the last case of a block
-    has converged: so every block holds hard cases, and easy cases take as many steps as in one block. What is searched
-    for (`solver.names.PEAKS`) is found to its tolerance only.
-    """
+    """Yield rows that are solved together, and the factors that they have."""
     columns: list[NDArray[Any]] = [~table.empty(name) | (_DEFAULTS.get(name) is not None) for name in table.columns]
-    unlike: list[NDArray[Any]] = [_numbered(table, name) for name in _APART if name in table.columns]
-    unlike += [table.empty(name) for name in OF_A_FILM[:1] if name in table.columns]
-    patterns, first, pattern = np.unique(np.stack(columns + unlike, 1), axis=0, return_index=True, return_inverse=True)
+    choices: list[NDArray[Any]] = [_numbered(table, name) for name in _OUTPUT_CHOICES if name in table.columns]
+    choices += [table.empty(name) for name in OF_A_FILM[:1] if name in table.columns]
+    patterns, first, pattern = np.unique(np.stack(columns + choices, 1), axis=0, return_index=True, return_inverse=True)
     for k in np.argsort(first):
         rows = np.flatnonzero(pattern.ravel() == k)
         count = -(-len(rows) // most)
         names = [name for name, has in zip(table.columns, patterns[k], strict=False) if has]
+        # rows from all over the table: the solver iterates until the last case of a block has converged, and with hard
+        # cases in every block all cases take as many steps as in one block
         for begin in range(count):
             yield names, rows[begin::count]
 
@@ -320,7 +316,7 @@ def _numbered(table: Table, name: str) -> Indices:
 
 
 def _factors(table: Table, names: list[str], rows: Indices) -> xr.Dataset:
-    """The cells of some rows, defaults where they are empty."""
+    """Return the cells of some rows, with defaults where they are empty."""
     columns = {}
     for name in names:
         cells = table.columns[name][rows]
@@ -332,7 +328,7 @@ def _factors(table: Table, names: list[str], rows: Indices) -> xr.Dataset:
 def _explained(
     table: Table, names: list[str], rows: Indices, solve: Callable[[xr.Dataset], xr.Dataset], error: Exception
 ) -> InputError:
-    """The error of the first row that cannot be solved, with its line, found by halving."""
+    """Return the error of the first row that cannot be solved, with its line, found by halving."""
     if str(error).partition(":")[0] in _OF_OPTIONS:
         return InputError(f"{table.source}: {error}")
 
@@ -340,7 +336,7 @@ def _explained(
 
     cases = {str(name): cells for name, cells in _factors(table, names, rows).data_vars.items()}
     region, error = refused_region(lambda part: solve(xr.Dataset(part)), cases, error, _REFUSALS)
-    # without a region it takes several rows to go wrong
+    # without a region only several rows together fail
     where = table.source if region is None else table.at(int(rows[region["case"].start]))
     if isinstance(error, np.linalg.LinAlgError):
         return InputError(f"{where}: constants beyond what double precision can solve ({error})")
@@ -348,7 +344,7 @@ def _explained(
 
 
 def _units(answer: xr.Dataset) -> dict[str, str]:
-    """Units of the columns of an answer as a table, by name."""
+    """Return the units of an answer's columns by name."""
     columns = {str(name): column for name, column in chain(answer.coords.items(), answer.data_vars.items())}
     return {
         name: column.attrs.get("units", "1") if column.dtype.kind == "f" else "1" for name, column in columns.items()
@@ -356,7 +352,7 @@ def _units(answer: xr.Dataset) -> dict[str, str]:
 
 
 def _columns(answer: xr.Dataset, units: Mapping[str, str]) -> dict[str, NDArray[Any]]:
-    """Columns of an answer as a table, by their headings; empty where it lacks them."""
+    """Return an answer's columns by their headings; empty cells where it lacks them."""
     return {
         name if unit == "1" else f"{name} [{unit}]": np.broadcast_to(
             answer[name].values if name in answer.variables else "", answer.sizes["case"]

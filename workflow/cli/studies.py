@@ -1,4 +1,4 @@
-"""``meecontact init`` and ``meecontact list``: a study of one's own to begin with, and every name that it may use."""
+"""``meecontact init`` and ``meecontact list``: a study to begin with, and every name that it may use."""
 
 import argparse
 from collections.abc import Mapping
@@ -39,7 +39,7 @@ def show(options: argparse.Namespace) -> None:
 
 
 def listed(kind: str | None) -> str:
-    """Materials, quantities, factors or studies, a line each; all of them, with a heading each, for None."""
+    """Return materials, quantities, factors or studies, a line each; for None all kinds, with headings."""
     known = {"studies": _studies, "factors": _factors, "quantities": _quantities, "materials": materials.listed}
     if kind is None:
         return "\n\n".join(f"{name}:\n{lines()}" for name, lines in known.items())
@@ -49,7 +49,7 @@ def listed(kind: str | None) -> str:
 
 
 def _studies() -> str:
-    """Name and title of every study of the current folder, and then of those that come with the program."""
+    """Return name and title of every study in the current folder, and then of the program's."""
     rows = {}
     local = location.files(location.FOLDER)
     for file in (local | location.files(location.BUNDLED) | local).values():
@@ -60,7 +60,7 @@ def _studies() -> str:
 
 
 def _factors() -> str:
-    """Name, unit and meaning of every factor; names that some take instead of a number."""
+    """Return name, unit and meaning of every factor, and the names that categories take."""
     rows = {name: (written(factor.units), factor.long_name) for name, factor in FACTORS.items()}
     rows |= {name: ("", f"one of {', '.join(names)}") for name, names in CHOICES.items()}
     return _table(rows)
@@ -71,8 +71,7 @@ def _quantities() -> str:
 
 
 def _table(rows: Mapping[str, tuple[str, ...]]) -> str:
-    """Names and what is said of them, in columns."""
-    whole = [(name, *cells) for name, cells in rows.items()]
-    wide = [max(map(len, column)) for column in zip(*whole, strict=True)]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, wide, strict=True)) for row in whole]
-    return "\n".join(line.rstrip() for line in lines)
+    """Return names and their cells in columns."""
+    table = [(name, *cells) for name, cells in rows.items()]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in table)

@@ -1,4 +1,4 @@
-"""Tables in text files as programs and spreadsheets write them: encoding, separator, decimal mark, rows, headings."""
+"""Tables in text files of programs and spreadsheets: encoding, separator, decimal mark, rows, headings."""
 
 import csv
 import re
@@ -21,7 +21,7 @@ from workflow.study.reading import InputError, number
 LONGEST_CELL = 200  # characters of a cell; a name or a number has a tenth of that
 _LONGEST_ROW = 1 << 16  # characters
 _WRITTEN_TOGETHER = 1 << 14  # rows
-_HEAD = 1 << 16  # bytes from which encoding and separator are seen
+_HEAD = 1 << 16  # bytes that decide encoding and separator
 _SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
 _FORMATS = {
     b"PK\x03\x04": "a workbook (Excel .xlsx, LibreOffice .ods) or another archive; save the sheet as CSV",
@@ -56,18 +56,18 @@ _ERROR = re.compile(r"±|\+/-|\+-")
 
 @dataclass(frozen=True)
 class Sheet:
-    """A table's file: how its characters and cells are told apart."""
+    """A table's file with its encoding and separator."""
 
     path: Path
     encoding: str
     separator: str  # one character
 
     def open(self) -> TextIO:
-        """The file as text."""
+        """Open the file as text."""
         return self.path.open(newline="", encoding=self.encoding)
 
     def rows(self, file: TextIO, most_lines: int) -> Iterator[tuple[int, list[str]]]:
-        """Rows that are neither blank nor begin with #, each with its last line's number."""
+        """Yield the rows that are neither blank nor begin with #, each with its last line's number."""
         characters = 0
 
         def pieces() -> Iterator[str]:
@@ -90,12 +90,12 @@ class Sheet:
 
     @property
     def separators(self) -> str:
-        """The separator in words."""
+        """Separator in words."""
         return _SEPARATORS[self.separator]
 
 
 def sheet(path: Path, largest: int) -> Sheet:
-    """Encoding and separator of a table's file; InputError if it is no text table."""
+    """Return a table's file with encoding and separator; InputError if it is no text table."""
     if regular(path).stat().st_size > largest:
         raise InputError(f"{path}: larger than {largest} bytes")
     with path.open("rb") as file:
@@ -118,7 +118,7 @@ def sheet(path: Path, largest: int) -> Sheet:
 
 
 def _refuse_both_marks(path: Path, text: str, separator: str) -> None:
-    """InputError for ``1.000`` in a table with decimal commas: it may be one thousand."""
+    """Raise InputError for ``1.000`` in a table with decimal commas, which may be one thousand."""
     rows = [[cell.strip().strip('"') for cell in line.split(separator)] for line in text.splitlines()]
     if any(_WITH_COMMA.fullmatch(cell) for row in rows for cell in row):
         grouped = next((cell for row in rows for cell in row if _BY_POINTS.fullmatch(cell)), None)
@@ -129,7 +129,7 @@ def _refuse_both_marks(path: Path, text: str, separator: str) -> None:
 
 
 def _encoding(path: Path, head: bytes) -> str:
-    """Encoding by the byte-order mark, by zero bytes, or UTF-8; Windows' own where the file is not UTF-8."""
+    """Return the encoding by the byte-order mark, by zero bytes, or UTF-8, else Windows' own."""
     for mark, name in ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig")):
         if head.startswith(mark):
             return name
@@ -148,7 +148,7 @@ def _encoding(path: Path, head: bytes) -> str:
 
 
 def _separator(path: Path, text: str) -> str:
-    """The separator of most cells in the rows of a file's beginning."""
+    """Return the separator of most cells at the beginning of a file."""
     quoted = re.sub(r'"[^"]*"', '""', text)
     lines = [line for line in quoted.splitlines()[:400] if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
@@ -174,10 +174,9 @@ def is_number(text: str) -> bool:
 
 
 def heading(cell: str, known: Collection[str]) -> tuple[str, str | None]:
-    """Name and unit of a column from its heading, in any of the ways that tables write them.
+    """Return name and unit, or None, of a column from its heading; an unknown name as it is written.
 
-    ``force [N]``, ``force (N)``, ``force, N``, ``force / N``, ``force in N``, ``force_N`` and ``Force N``; the unit is
-    None where there is none. A name that is not known is returned as it is written, without the unit in brackets.
+    Headings: ``force [N]``, ``force (N)``, ``force, N``, ``force / N``, ``force in N``, ``force_N`` and ``Force N``.
     """
     text = " ".join(cell.split())
     if name := _named(text, known):
@@ -197,7 +196,7 @@ def heading(cell: str, known: Collection[str]) -> tuple[str, str | None]:
 
 
 def _named(text: str, known: Collection[str]) -> str | None:
-    """A known name behind how it is written: case, blanks and hyphens count for nothing."""
+    """Return the known name of a text, whatever its case, blanks and hyphens; None for an unknown one."""
     text = text.strip().strip("\"'")
     if text in known:
         return text
@@ -228,7 +227,7 @@ def missing(text: str) -> bool:
 
 
 def with_point(text: str, separator: str) -> str:
-    """A cell whose decimal comma is a point; ValueError where commas separate cells, and where it may group digits."""
+    """Return a cell with a point for its decimal comma; ValueError where a comma may separate or group digits."""
     if _GROUPS.fullmatch(text):
         raise ValueError(f"{text!r} groups its digits; write plain digits")
     digits = _DIGITS.match(text)
@@ -244,7 +243,7 @@ def with_point(text: str, separator: str) -> str:
 
 
 def refused(text: str) -> str | None:
-    """Reason for which a cell cannot be a number, where it is one of the common ones."""
+    """Return a common reason for which a cell is not a number; None without one."""
     if missing(text):
         return f"{text!r} stands for a missing value; leave the cell empty"
     if _ERROR.search(text):

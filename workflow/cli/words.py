@@ -1,4 +1,4 @@
-"""Texts of options as numbers and pairs, and messages on standard error."""
+"""Readers of options, paths of surrogates and answers, and messages on standard error."""
 
 import codecs
 import io
@@ -16,7 +16,7 @@ from workflow.language.spelling import nearest
 from workflow.study.reading import InputError, located, number, one_line
 
 _SURROGATE = "surrogate.nc"
-#: What files beside a surrogate are.
+#: Other files beside a surrogate, by ending.
 _NO_MODELS = {
     ".csv": "a table",
     ".html": "a page",
@@ -35,7 +35,7 @@ def printable_streams() -> None:
 
 
 def _replaced(error: UnicodeError) -> tuple[str, int]:
-    """Equivalent of the characters that an encoding lacks: ``um`` for ``µm``, ``m-2`` for ``m⁻²``."""
+    """Return ASCII text for characters that an encoding lacks: ``um`` for ``µm``, ``m-2`` for ``m⁻²``."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     text = error.object[error.start : error.end]
@@ -45,7 +45,7 @@ def _replaced(error: UnicodeError) -> tuple[str, int]:
 
 
 def _plain(letter: str) -> str:
-    """A letter without its accents; ``?`` for what has no equivalent."""
+    """Return a letter without its accents; ``?`` for one without equivalent."""
     decomposed = unicodedata.normalize("NFKD", letter)
     return "".join(part for part in decomposed if part.isascii()) or "?"
 
@@ -67,20 +67,20 @@ codecs.register_error(_REPLACING, _replaced)
 
 
 def say(message: str) -> None:
-    """Tell what was done: beside the answers, which go to standard output."""
+    """Print a message on standard error; answers go to standard output."""
     try:
         print(one_line(message), file=sys.stderr, flush=True)
-    except BrokenPipeError:  # a message that nobody reads does not stop the work
+    except BrokenPipeError:  # a message without a reader does not stop the work
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
 
 
 def printable(text: str) -> str:
-    """Lines whose names, which may come from a file, cannot command the terminal."""
+    """Return lines without characters that command a terminal, as names from a file may have."""
     return "\n".join(one_line(line) for line in text.split("\n"))
 
 
 def numbers(where: str, text: str) -> list[float]:
-    """Numbers between commas."""
+    """Read numbers between commas."""
     values = []
     for part in text.split(","):
         try:
@@ -91,7 +91,7 @@ def numbers(where: str, text: str) -> list[float]:
 
 
 def quantity(where: str, text: str, units: str, factor: str = "") -> float:
-    """Return a number in SI, with its unit or bare; a bare one is checked against the usual sizes of its factor."""
+    """Read a number in SI, with a unit or bare; a bare one is checked against the usual sizes of its factor."""
     with located(where):
         try:
             value = number(text)
@@ -107,7 +107,7 @@ def quantity(where: str, text: str, units: str, factor: str = "") -> float:
 
 
 def named(option: str, words: str | Sequence[str] | None, *, valued: bool = False) -> dict[str, str]:
-    """``NAME=VALUE`` or ``NAME`` of every part between commas outside brackets: the values' texts by name."""
+    """Read ``NAME=VALUE`` or ``NAME`` between commas outside brackets: texts of the values by name."""
     texts: dict[str, str] = {}
     for word in [words] if isinstance(words, str) else words or []:
         for part in _parts(word):
@@ -126,7 +126,7 @@ def named(option: str, words: str | Sequence[str] | None, *, valued: bool = Fals
 
 
 def _parts(word: str) -> list[str]:
-    """Parts between commas outside brackets."""
+    """Return the parts between commas outside brackets."""
     parts, depth = [""], 0
     for character in word:
         depth += (character in "([") - (character in ")]")
@@ -138,30 +138,30 @@ def _parts(word: str) -> list[str]:
 
 
 def surrogate_file(text: str) -> Path:
-    """The file of a surrogate; of a study's folder of results, the one in it."""
+    """Return the file of a surrogate; of a study's folder of results, the one in it."""
     path = Path(text)
     return path / _SURROGATE if path.is_dir() else path
 
 
 def trained(path: Path) -> Path:
-    """The file of a surrogate, as `surrogate_file` gives it."""
+    """Return the file of a surrogate; InputError if it is missing or another file."""
     if path.suffix in _NO_MODELS and path.is_file():
-        beside = path.with_name(_SURROGATE)
-        hint = f"{beside} is" if beside.is_file() else "it is netCDF, as results/STUDY/surrogate.nc"
+        sibling = path.with_name(_SURROGATE)
+        hint = f"{sibling} is" if sibling.is_file() else "it is netCDF, as results/STUDY/surrogate.nc"
         raise InputError(f"{path}: is {_NO_MODELS[path.suffix]}, no surrogate; {hint}")
     if path.exists():
         return regular(path)
     folder = path.parent if path.name == _SURROGATE else path
-    said = f"{folder}: holds no {_SURROGATE}" if folder.is_dir() else f"{folder}: no such file or folder"
+    problem = f"{folder}: holds no {_SURROGATE}" if folder.is_dir() else f"{folder}: no such file or folder"
     studies = sorted(file.parent.name for file in Path("results").glob(f"*/{_SURROGATE}"))
     known = f"STUDY: {nearest(folder.name, studies)}" if studies else "results/ has none here"
     raise InputError(
-        f"surrogate: {said}; must be results/STUDY, or a surrogate's file; {known}; `meecontact run STUDY` makes one"
+        f"surrogate: {problem}; must be results/STUDY, or a surrogate's file; {known}; `meecontact run STUDY` makes one"
     )
 
 
 def written_as(**endings: str) -> Callable[[str], Path]:
-    """Path of an answer that an option names; its ending must be one of `endings`."""
+    """Return the reader of an answer's path, whose ending must be one of `endings`."""
 
     def path(text: str) -> Path:
         if Path(text).suffix.removeprefix(".") not in endings:

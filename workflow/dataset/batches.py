@@ -1,4 +1,4 @@
-"""Batches of cases that a cross approximation asks for: places of the crossed axes, a block of cases at each."""
+"""Batches of cases for a cross approximation: places of the crossed axes, with a block of cases at each."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,11 +19,12 @@ from workflow.study.model import Study
 
 #: The dimension of the places.
 PLACE = "place"
-_AT_A_TIME, _CASES = 8, 4096  # places whose cases are solved and written at once, and cases where places need no tables
+_AT_A_TIME = 8  # places that are solved and written at once
+_CASES = 4096  # cases that are solved at once where places need no tables
 
 
 def write_places(study: Study, places: xr.Dataset, path: Path) -> None:
-    """Write the places of a batch, or the error with which the approximation ends."""
+    """Write the places of a batch, or the final error of the approximation."""
     title = "places at which a cross approximation asks for all cases, or in the end its error"
     write_whole(described(places, title, SOURCE, MEANINGS), path)
     count = places.sizes.get(PLACE, 0)
@@ -31,7 +32,7 @@ def write_places(study: Study, places: xr.Dataset, path: Path) -> None:
 
 
 def slabs(study: Study, path: str | Path) -> int:
-    """Number of slabs of the batch whose places a file holds; 0 of the last, which has none."""
+    """Return the number of slabs of the batch in a file of places; 0 of the last, which is empty."""
     return min(partition.count(study), read_whole(Path(path)).sizes.get(PLACE, 0))
 
 
@@ -53,7 +54,7 @@ def write_slab(study: Study, path_of_places: Path, index: int, path: Path, cache
 
 
 def exact(study: Study, places: xr.Dataset, cache: CaseCache | None = None) -> xr.Dataset:
-    """Exact quantities over places of the crossed axes and all levels of the others."""
+    """Return exact quantities over places of the crossed axes and all levels of the others."""
     levels = {name: values for name, values in factorial.axes(study).items() if name not in study.crossed}
     crossed = {name: xr.DataArray(places[name].variable) for name in study.crossed}
     solved = factorial.exact(study, {**crossed, **levels}, cache=cache)
@@ -62,5 +63,5 @@ def exact(study: Study, places: xr.Dataset, cache: CaseCache | None = None) -> x
 
 
 def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Cases of several places in one."""
+    """Return cases of several places in one data set."""
     return xr.concat(parts, PLACE, data_vars="all", coords="minimal", compat="override", join="override")

@@ -1,8 +1,8 @@
-"""A cache of solved cases of all studies: kept by their content beside all results, and taken from there.
+"""A cache of solved cases of all studies, stored by their content beside the results.
 
-A piece is what the solver is asked for at once: the cases of films that share their tables, else the cases at one level
-of the data set's first axis, or some of a list. Every piece is solved alone, with a cache or without, so that no bit of
-a result depends on what the cache holds. Cases that cost microseconds are not kept: to read one takes as long.
+A piece is solved in one call: the cases of films that share their tables, else the cases at one level of the data set's
+first axis, or some of a list. Every piece is solved alone, with a cache or without, so that no bit of a result depends
+on the cache. Cases that cost microseconds are not stored: reading takes as long.
 """
 
 import hashlib
@@ -31,13 +31,13 @@ from workflow.study.model import Study
 if TYPE_CHECKING:
     from snakemake.iocontainers import Snakemake
 
-#: Where they lie, below the folder of all results, and how much may: what was used last stays.
+#: Folder of stored cases below that of all results, and their largest size: the last used ones stay.
 FOLDER, MOST_BYTES = ".solved", 2**31
-#: Attribute of an answer: the digest of all that it depends on, which also names its file.
+#: Attribute of an answer: the digest of everything that decides it, which also names its file.
 CASE = "case_sha256"
 _OF_CASES = "cases"
 _DAY = 86400.0
-#: Cases of a list that the solver is asked for at once, where none needs tables of its own: they share some.
+#: Cases of a list that are solved at once where none needs tables of its own.
 AT_A_TIME = 50
 
 Solved = Callable[[Mapping[str, Any]], xr.Dataset]
@@ -67,14 +67,14 @@ class CaseCache:
         return whole
 
     def _piece(self, solved: Solved, question: str, cases: Mapping[str, xr.DataArray]) -> xr.Dataset:
-        """The answer of one piece, from its file if that is whole."""
+        """Return the answer of one piece, from its file if that is whole."""
         name = _digest(question, cases)
         path = self.folder / _OF_CASES / name[:2] / f"{name[2:]}.nc"
         count = prod(sizes(cases).values())
         try:
             answer = _as_solved(read_whole(path, max_bytes=MOST_BYTES), name)
             os.utime(path)
-        except (OSError, FormatError):  # none, half of one, or that of another case
+        except (OSError, FormatError):  # no file, an incomplete one, or that of another case
             answer = solved(cases)
             _write(answer.assign_attrs({CASE: name}), path)
         else:
@@ -85,7 +85,7 @@ class CaseCache:
 
 @contextmanager
 def of(job: "Snakemake") -> Iterator[CaseCache]:
-    """The cache for a job, whose rule has the wildcard ``study``; in the end it logs how many cases were in it."""
+    """Yield the cache for a job, whose rule has the wildcard ``study``; log how many cases it had."""
     cache = CaseCache(lock.results(job.wildcards.study, Path(job.output[0])))
     yield cache
     if cache.cases:
@@ -93,7 +93,7 @@ def of(job: "Snakemake") -> Iterator[CaseCache]:
 
 
 def sweep(results: Path, most: int = MOST_BYTES) -> None:
-    """Remove what was used longest ago, and what killed writers have left."""
+    """Remove the files that were used longest ago, and partial files of killed writers."""
     clock, files = time.time(), []
     for file in (results / FOLDER / _OF_CASES).rglob("*"):
         try:
@@ -104,17 +104,17 @@ def sweep(results: Path, most: int = MOST_BYTES) -> None:
             file.unlink(missing_ok=True)
         elif file.suffix == ".nc":
             files.append((status.st_mtime, status.st_size, file))
-    whole = sum(size for _, size, _ in files)
+    total = sum(size for _, size, _ in files)
     for _, size, file in sorted(files):
-        if whole <= most:
+        if total <= most:
             break
         file.unlink(missing_ok=True)
-        whole -= size
+        total -= size
 
 
 @cache
 def _solver() -> str:
-    """Hash of all that makes an answer: the solver's sources, and the packages that it stands on."""
+    """Return what decides an answer beside its case: a hash of the solver's sources, and versions of its packages."""
     sources = [file.relative_to(provenance.ROOT).as_posix() for file in (provenance.ROOT / "solver").rglob("*.py")]
     versions = provenance.versions()
     return " ".join(
@@ -123,7 +123,7 @@ def _solver() -> str:
 
 
 def _digest(question: str, cases: Mapping[str, xr.DataArray]) -> str:
-    """Hash of the values of all factors, to the last bit, over their dimensions."""
+    """Return a hash of the values of all factors, to the last bit, over their dimensions."""
     digest = hashlib.sha256(question.encode())
     for name, array in cases.items():
         digest.update(json.dumps([name, list(map(str, array.dims)), list(array.shape)]).encode())
@@ -134,7 +134,7 @@ def _digest(question: str, cases: Mapping[str, xr.DataArray]) -> str:
 
 
 def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
-    """Return the regions of the pieces: runs of equal values of tabled factors, or levels of the first axis."""
+    """Yield the regions of the pieces: runs of equal values of tabled factors, or levels of the first axis."""
     names = [name for name in study.tabled if name in cases]
     dims = list(dict.fromkeys(str(dim) for name in names for dim in cases[name].dims))
     runs = {dim: _runs([cases[name] for name in names if dim in cases[name].dims], dim) for dim in dims}
@@ -147,7 +147,7 @@ def _parts(study: Study, cases: Mapping[str, xr.DataArray]) -> Iterator[_Part]:
 
 
 def _runs(factors: Sequence[xr.DataArray], dim: str) -> list[slice]:
-    """Runs along a dimension in which some factors stay the same."""
+    """Return the runs along a dimension in which some factors stay the same."""
     firsts = [factor.isel({other: 0 for other in factor.dims if other != dim}) for factor in factors]
     rows = np.stack([first.values for first in firsts], axis=-1)
     ends = np.flatnonzero((rows[1:] != rows[:-1]).any(axis=-1)) + 1
@@ -156,7 +156,7 @@ def _runs(factors: Sequence[xr.DataArray], dim: str) -> list[slice]:
 
 
 def _write(answer: xr.Dataset, path: Path) -> None:
-    """Keep an answer; where there is no room for it, do without."""
+    """Store an answer; log a warning where the file system refuses."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(answer, path)
@@ -165,7 +165,7 @@ def _write(answer: xr.Dataset, path: Path) -> None:
 
 
 def _as_solved(stored: xr.Dataset, name: str) -> xr.Dataset:
-    """Answer as the solver gave it, without what every file says; FormatError where it is that of another case."""
+    """Return an answer without the attributes of files; FormatError if it answers another case."""
     if stored.attrs.get(CASE) != name:
         raise FormatError(name, "is no answer to this case")
     attributes_of_files = {*standard(stored), CHECKSUM, CASE}
@@ -174,7 +174,7 @@ def _as_solved(stored: xr.Dataset, name: str) -> xr.Dataset:
 
 
 def assembled(parts: Sequence[tuple[_Part, xr.Dataset]], whole_sizes: Mapping[str, int]) -> xr.Dataset:
-    """Cases of several regions in one data set, without what a part lacks; NaN where no part lies."""
+    """Return cases of several regions in one data set, without variables that a part lacks; NaN between the parts."""
     first_region, first = parts[0]
     shared = first[[name for name in first.data_vars if all(name in part for _, part in parts)]]
     variables: dict[str, xr.Variable] = {}
@@ -191,15 +191,15 @@ def assembled(parts: Sequence[tuple[_Part, xr.Dataset]], whole_sizes: Mapping[st
 
 
 def sizes(cases: _Cases) -> dict[str, int]:
-    """Length of every dimension of some cases."""
+    """Return the length of every dimension of some cases."""
     return {str(dim): size for array in cases.values() for dim, size in array.sizes.items()}
 
 
 def selected(cases: _Cases, region: Mapping[str, slice]) -> dict[str, xr.DataArray]:
-    """The cases of a region."""
+    """Return the cases of a region."""
     return {name: array.isel(region, missing_dims="ignore") for name, array in cases.items()}
 
 
 def labelled(name: str, value: ArrayLike | xr.DataArray) -> xr.DataArray:
-    """Values of a factor, along itself where they are a sequence."""
+    """Return the values of a factor as an array; a sequence lies along the factor itself."""
     return value if isinstance(value, xr.DataArray) else xr.DataArray(np.asarray(value), dims=(name,) * np.ndim(value))

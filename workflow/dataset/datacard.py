@@ -1,4 +1,4 @@
-"""The data card of a study: what its data set holds, how large it is, and what it took to make."""
+"""The data card of a study: content, size and cost of its data set."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from workflow.study.model import Study
 
 
 def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Path]) -> dict[str, Any]:
-    """The card as plain data, from the slabs' headers and the times of the jobs that made them."""
+    """Return the card as plain data, from the slabs' headers and the times of their jobs."""
     files = [_file(path, PLACE if study.crossed else next(iter(study.axes))) for path in slabs]
     variables = {key: _merged([file["variables"][key] for file in files]) for key in files[0]["variables"]}
     seconds = [_seconds(path) for path in benchmarks if path.is_file()]
@@ -48,8 +48,8 @@ def card(study: Study, name: str, slabs: Sequence[Path], benchmarks: Sequence[Pa
 
 
 def markdown(card: Mapping[str, Any]) -> str:
-    """The card for people."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # which most jobs that read a card do without
+    """Return the card as Markdown."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # slow to import, and most readers need none
 
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent / "templates"),
@@ -59,11 +59,11 @@ def markdown(card: Mapping[str, Any]) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    alike: dict[str, list[str]] = {}
+    names_by_scale: dict[str, list[str]] = {}
     for name, powers in card["groups"].get("scales", {}).items():
         words = " ".join(f"{factor}^{power:g}" for factor, power in powers.items()) or "1"
-        alike.setdefault(words, []).append(name)
-    return environment.get_template("datacard.md.j2").render(card, alike=alike)
+        names_by_scale.setdefault(words, []).append(name)
+    return environment.get_template("datacard.md.j2").render(card, names_by_scale=names_by_scale)
 
 
 def _groups(study: Study) -> dict[str, Any]:
@@ -112,7 +112,7 @@ def _attributes(variable: "netCDF4.Variable[Any]") -> dict[str, Any]:
 
 
 def _merged(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """One variable from its parts in several files, statistics and all; of a file without any, nothing."""
+    """Return one variable from its parts in several files, with its statistics; empty parts count for nothing."""
     parts = [part for part in parts if part["count"]]
     counts, attrs = [part["count"] for part in parts], [part["attributes"] for part in parts]
     return {"type": parts[0]["type"], "count": sum(counts), "attributes": {**attrs[0], **pooled(counts, attrs)}}

@@ -1,4 +1,4 @@
-"""The parametric study: one factor at a time about a baseline, on the exact solver, along the surface and inside."""
+"""The parametric study: exact cases of one factor at a time about a baseline, along the surface and inside."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -20,11 +20,7 @@ _CELLS = 121  # of a map along each side, as in a figure of 4 cm
 
 
 def effect(study: Study, factor: str) -> xr.Dataset:
-    """Quantities over the values of one factor and surface fields over (factor, position).
-
-    The last value of a film's factor is the half-plane beside it, where the study asks for that: its name, or NaN
-    among numbers.
-    """
+    """Return quantities over the values of one factor, behind a film's the half-plane, and fields over position."""
     assert study.effects is not None  # the rules are of studies that have them
     positions = study.effects.positions.values()
 
@@ -37,7 +33,7 @@ def effect(study: Study, factor: str) -> xr.Dataset:
 
 
 def together(sweeps: Mapping[str, xr.Dataset]) -> xr.Dataset:
-    """One data set of effects about one baseline, over (case, position); every case has every factor."""
+    """Return effects about one baseline in one data set, over (case, position); every case has every factor."""
     parts = [
         data.drop_indexes(factor)
         .rename_dims({factor: "case"})
@@ -52,7 +48,7 @@ def together(sweeps: Mapping[str, xr.Dataset]) -> xr.Dataset:
 
 
 def interior(study: Study, factor: str) -> xr.Dataset:
-    """Fields below the punch over (factor, y, x) at the factor's first, middle and last value, as in `effect`."""
+    """Return fields below the punch over (factor, y, x) at the factor's first, middle and last value, as `effect`."""
     assert study.effects is not None
     shown, case = study.effects.interior, study.effects.case(factor)
     assert shown is not None
@@ -67,7 +63,7 @@ def interior(study: Study, factor: str) -> xr.Dataset:
 
 
 def spread(study: Study, factor: str) -> xr.Dataset:
-    """Quantities of random surfaces of a rough sphere over (factor, realisation)."""
+    """Return quantities of random surfaces of a rough sphere over (factor, realisation)."""
     assert study.effects is not None
     surfaces = {**study.effects.case(factor), "realisation": np.arange(study.effects.realisations)}
     out = solve(surfaces, materials=study.own_materials, phases=study.phases, outputs=SPREAD)
@@ -75,7 +71,7 @@ def spread(study: Study, factor: str) -> xr.Dataset:
 
 
 def maps(study: Study, factor: str) -> xr.Dataset:
-    """Maps of contacts in space over (factor, y, x) at the factor's first, middle and last value, on one window."""
+    """Return maps of contacts in space on one window, (factor, y, x), at a factor's first, middle and last value."""
     assert study.effects is not None
     case, values = study.effects.case(factor), _few(study.effects.vary[factor])
     solved = [
@@ -85,22 +81,26 @@ def maps(study: Study, factor: str) -> xr.Dataset:
     # on the widest of their windows
     axes = {axis: np.concatenate([data[axis].values for data in solved]) for axis in ("x", "y")}
     x, y = (np.linspace(points.min(), points.max(), _CELLS) for points in axes.values())
-    together = [data.interp(x=x, y=y, method="linear").fillna(0.0) for data in solved]
-    kept = [data[["contact_pressure", "electric_displacement"]].drop_vars(factor, errors="ignore") for data in together]
+    parts = [
+        data.interp(x=x, y=y, method="linear")
+        .fillna(0.0)[["contact_pressure", "electric_displacement"]]
+        .drop_vars(factor, errors="ignore")
+        for data in solved
+    ]
     labels = xr.DataArray(values, dims=factor, attrs={"units": FACTORS[factor].units if factor in FACTORS else "1"})
-    out = xr.concat(kept, factor, coords="minimal", compat="override").assign_coords({factor: labels})
+    out = xr.concat(parts, factor, coords="minimal", compat="override").assign_coords({factor: labels})
     return out.assign_attrs(title=f"effect of {factor} on the contact", fields="contact_pressure electric_displacement")
 
 
 def _few(values: list[Any]) -> list[Any]:
-    """First, middle and last value of a factor."""
+    """Return the first, middle and last value of a factor."""
     return [values[k] for k in dict.fromkeys((0, len(values) // 2, len(values) - 1))]
 
 
 def _beside_half_plane(
     effects: Effects, factor: str, case: Mapping[str, Any], solved: Callable[[Mapping[str, Any]], xr.Dataset]
 ) -> xr.Dataset:
-    """Solved cases, and behind those of a film the half-plane of the baseline: what both have."""
+    """Return solved cases; behind those of a film the half-plane of the baseline, with the variables of both."""
     out, reference = solved(case), effects.half_plane(factor)
     if reference is None:
         return out
@@ -108,7 +108,7 @@ def _beside_half_plane(
     held = ", ".join(f"{name} = {value}" for name, value in case.items() if name in OF_A_FILM and name != factor)
     out = out.drop_vars([name for name in OF_A_FILM if name in out.coords and name != factor])
     shared = [name for name in out.data_vars if name in half_plane]
-    label = np.array([np.nan if factor in FACTORS else HALF_PLANE.name])
+    label = np.array([np.nan if factor in FACTORS else HALF_PLANE.name])  # NaN among numbers
     whole = xr.concat(
         [out[shared], half_plane[shared].expand_dims({factor: label})],
         factor, data_vars="all", coords="minimal", compat="override", join="override",

@@ -16,12 +16,12 @@ from workflow.language.factors import FACTORS
 from workflow.study import categories, representatives
 from workflow.study.model import Study
 
-#: Samples of random exact cases: what each is for, the number of its seed, and the key of its size.
+#: Samples of random exact cases by purpose: the number of their seed, and the key of their size.
 SAMPLES = {"validation": (0, "cases"), "calibration": (2, "calibration")}
 
 
 def inputs(study: Study) -> list[Input]:
-    """The factorial's axes as inputs of a surrogate."""
+    """Return the factors as inputs of a surrogate."""
     return [
         Input(name, axis.low, axis.high, axis.scale, FACTORS[name].units, FACTORS[name].long_name)
         for name, axis in study.factors.items()
@@ -29,7 +29,7 @@ def inputs(study: Study) -> list[Input]:
 
 
 def axis_inputs(study: Study) -> list[Input]:
-    """The axes of the data set as inputs of a surrogate: the factors, or the groups that take their place."""
+    """Return the axes of the data set, factors or groups, as inputs of a surrogate."""
     if not study.groups:
         return inputs(study)
     names = {
@@ -44,8 +44,8 @@ def axis_inputs(study: Study) -> list[Input]:
 def grouping(study: Study, learned: xr.Dataset | None = None) -> Grouping:
     """Return the relation of learned quantities to a study's groups; logarithms need the factorial."""
     plain = similar.grouping(study, inputs(study), axis_inputs(study))
-    untold = study.crossed and study.surrogate.log is None
-    return plain if learned is None or untold else similar.with_logarithms(plain, study, learned)
+    lacks_factorial = study.crossed and study.surrogate.log is None
+    return plain if learned is None or lacks_factorial else similar.with_logarithms(plain, study, learned)
 
 
 def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
@@ -57,44 +57,41 @@ def scaled(study: Study, data: xr.Dataset, by: Grouping | None) -> xr.Dataset:
 
 
 def with_factors(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """Cases over the axes of a study with the factors of each as coordinates."""
+    """Return cases over the axes of a study with the factors of each as coordinates."""
     axes = {name: xr.DataArray(data[name].variable) for name in study.axes}
     return data.assign_coords(representatives.factors(study, axes))
 
 
 def axes(study: Study) -> dict[str, np.ndarray[Any, np.dtype[Any]]]:
-    """Axes of the data set: the levels of every factor, then the names of every category."""
+    """Return the axes of the data set: the levels of every factor, then the names of every category."""
     return levels(study) | {name: np.array(names) for name, names in study.categories.items()}
 
 
 def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
-    """Cases of the study as the surrogate learns them: every output over the continuous factors or ``case`` alone."""
+    """Return cases as the surrogate learns them: every output over the continuous factors or ``case`` alone."""
     return categories.apart(data, study.categories, study.outputs)
 
 
 def levels(study: Study) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
-    """Levels of every axis of a study without open ones."""
+    """Return the levels of every axis of a study without open ones."""
     return {
         name: chebyshev_levels(axis.low, axis.high, axis.levels or 0, axis.scale) for name, axis in study.axes.items()
     }
 
 
 def cases(study: Study, name: str, cache: CaseCache | None = None) -> xr.Dataset:
-    """Random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories.
-
-    Those for calibration have the curves that the surrogate learns, where it can correct them.
-    """
+    """Return random exact cases of one of `SAMPLES`, over dimension ``case`` and the categories."""
     number, key = SAMPLES[name]
     ends = name == "calibration" and bool(study.groups) and not study.regions
     drawn, even = draws.sample(study, getattr(study.validation, key), (study.validation.seed, number), ends)
-    if not ends:
+    if not ends:  # the surrogate corrects its curves by those of calibration, but not over groups
         return exact(study, drawn, curves=name == "calibration" and not study.groups, cache=cache)
     attributes = {"long_name": "1 where a case is spread evenly over the box, 0 where it is drawn towards its ends"}
     return exact(study, drawn, cache=cache).assign_coords({EVEN: ("case", even, attributes)})
 
 
 def sample(study: Study, count: int, seed: Sequence[int]) -> xr.Dataset:
-    """Random cases; exact quantities over dimension ``case`` and the categories, see `draws.points`."""
+    """Return exact quantities of random cases over dimension ``case`` and the categories, see `draws.points`."""
     return exact(study, draws.points(study, count, seed))
 
 
@@ -109,10 +106,7 @@ def exact(
     curves: bool = False,  # whether the curves that the surrogate learns are wanted
     cache: CaseCache | None = None,  # of what was solved before
 ) -> xr.Dataset:
-    """The exact solver at values of the axes (SI), for every category; FactorError names a case that is refused.
-
-    Values of all groups in place of factors make the factors coordinates. What is no number in some cases is left out.
-    """
+    """Solve cases at values of the axes (SI), for every category; FactorError names a case that is refused."""
     grouped = bool(study.groups) and axes.keys() >= study.products.keys() and not axes.keys() >= study.factors.keys()
     over = list(study.products) if grouped else []
     factors_of_groups = representatives.factors(study, {name: axes[name] for name in over}) if over else {}
@@ -121,16 +115,16 @@ def exact(
     factors = {**study.fixed_of_cases, **factors_of_groups, **other_axes}
 
     searched = study.searched if peaks is None else peaks
-    asked = study.asked if outputs is None else outputs
+    quantities = study.asked if outputs is None else outputs
 
     def whole(cases: Mapping[str, Any]) -> xr.Dataset:
-        solved = study.solved(solve, cases, positions, peaks=searched, outputs=asked, regular=regular)
+        solved = study.solved(solve, cases, positions, peaks=searched, outputs=quantities, regular=regular)
         if not (curves and study.regions):
             return solved
         along = study.solved(solve_curves, cases, study.regions)
         return solved.merge(along, compat="override", join="exact", combine_attrs="override")
 
-    options: dict[str, Any] = {"peaks": sorted(searched), "outputs": asked, "regular": regular}
+    options: dict[str, Any] = {"peaks": sorted(searched), "outputs": quantities, "regular": regular}
     options |= {"regions": study.regions if curves else []}
     options |= {"positions": None if positions is None else list(map(float, positions))}
     entrance = whole if cache is None else cache.around(study, whole, options)
@@ -175,7 +169,7 @@ def _length(part: slice) -> int:
 
 
 def _named(study: Study, case: Mapping[str, xr.DataArray], reason: Exception) -> Exception:
-    """The refusal of one case, with the factors and categories that tell it from others."""
+    """Return the refusal of one case, with its factors and categories."""
     words = [
         f"{name} = {case[name].item():.6g} {FACTORS[name].units}".removesuffix(" 1") if name in study.factors
         else f"{name} = {case[name].item()}"
@@ -186,7 +180,7 @@ def _named(study: Study, case: Mapping[str, xr.DataArray], reason: Exception) ->
 
 
 def _axis(study: Study, name: str, values: Any) -> xr.Variable:
-    """Values of a group over the dimension that they have, or over its own."""
+    """Return the values of a group over their dimension, or over the group itself."""
     product, dim = study.products[name], values.dims if isinstance(values, xr.DataArray) else name
     attrs = {"units": product.units, "long_name": FACTORS[name].long_name if product.lone else product.text}
     return xr.Variable(dim, np.asarray(values), attrs)

@@ -1,4 +1,4 @@
-"""Level counts that a study leaves open: chosen from pilots for its tolerance, and put into it."""
+"""Numbers of levels that a study leaves open: chosen from pilots for its tolerance, and filled in."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -30,7 +30,7 @@ _MEANINGS = {
 
 
 def choose(study: Study) -> xr.Dataset:
-    """Level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them."""
+    """Return level counts for ``validation.tolerance`` within ``dataset.budget``, and the evidence for them."""
     fixed_counts = {name: axis.levels for name, axis in study.axes.items() if axis.levels is not None}
 
     def solve(axes: dict[str, np.ndarray[tuple[int, ...], np.dtype[np.float64]]]) -> xr.Dataset:
@@ -68,7 +68,7 @@ def choose(study: Study) -> xr.Dataset:
 
 
 def with_levels(study: Study, files: Sequence[str | Path]) -> Study:
-    """The study with the chosen level counts in place."""
+    """Return the study with the chosen level counts."""
     if not files:
         return study
     chosen = read_whole(Path(files[0]))

@@ -1,4 +1,4 @@
-"""Similar cases: how all cases of a study with groups follow from those of `workflow.study.representatives`."""
+"""Similar cases: the rule by which all cases of a study with groups follow from its stored ones (`representatives`)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -18,10 +18,10 @@ from workflow.study.datum import inner, length
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 
-_GAIN = 0.5  # of the predicted error, from which on a logarithm is worth it
-_LEAST = 1e-8  # what a process leaves of values, over their range, however fast their coefficients fall
-_PLACES = 512  # of the box at which errors are weighed
-#: Lengths by which a case is measured, the first that it has; a cone has its slope, which no length changes.
+_GAIN = 0.5  # share of the predicted error below which a logarithm is learned
+_LEAST = 1e-8  # least error of a process over the range of its values, however fast coefficients fall
+_PLACES = 512  # points of the box at which errors are compared
+#: Lengths by which a case is scaled, the first that it has; a cone has its slope, which no length changes.
 _LENGTHS = ("thickness", "radius", "width", "datum", "slope")
 
 
@@ -46,7 +46,7 @@ def grouping(
 
 
 def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
-    """An axis as the surrogate knows it: powers of its inputs, and the constant that fixed factors make."""
+    """Return an axis as a group of the surrogate: powers of its inputs, and the product of the fixed factors."""
     if axis.name not in study.products:
         return Group(axis, {axis.name: 1.0})
     powers = study.products[axis.name].powers
@@ -55,7 +55,7 @@ def _group(study: Study, axis: Input, names: Sequence[str]) -> Group:
 
 
 def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Grouping:
-    """The grouping with the logarithms that are learned: those that the study names, or that decay faster."""
+    """Return the grouping with logarithms of the outputs that the study names, or whose coefficients decay faster."""
     names_in_study = study.surrogate.log
     names = [
         output(name, combination)
@@ -73,8 +73,8 @@ def with_logarithms(grouping: Grouping, study: Study, learned: xr.Dataset) -> Gr
     possible = {name: sign for name, sign in signs.items() if sign and not grouping.scalings[name].coefficient}
     logs = _replaced(grouping, possible)
     if names_in_study is None:
-        plain, bent = (_errors(tried, learned, list(possible)) for tried in (grouping, logs))
-        logs = _replaced(grouping, {name: sign for name, sign in possible.items() if bent[name] < _GAIN * plain[name]})
+        plain, log = (_errors(rule, learned, list(possible)) for rule in (grouping, logs))
+        logs = _replaced(grouping, {name: sign for name, sign in possible.items() if log[name] < _GAIN * plain[name]})
     return logs
 
 
@@ -88,11 +88,7 @@ def _replaced(grouping: Grouping, signs: Mapping[str, int]) -> Grouping:
 
 
 def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> dict[str, float]:
-    """Predicted error of every output within the box, over its range there.
-
-    What is learned may span decades that the box never brings together with a large scale, or always does: an error
-    over its range says little of that of the output.
-    """
+    """Return the predicted error of every output over its range in the box, where its scale may span decades."""
     if not names:
         return {}
     axes = {axis.name: learned[axis.name] for axis in grouping.axes}
@@ -109,7 +105,7 @@ def _errors(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> di
 
 
 def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tuple[Array, tuple[Indices, ...]]:
-    """Scales of outputs (output, place) at places of the box, and the next level of every axis."""
+    """Return scales of outputs at points of the box, (output, point), and the nearest level of every axis."""
     unit = 2 * sobol_points(_PLACES, len(grouping.inputs)).T - 1
     points = np.stack([input_.from_unit(t) for input_, t in zip(grouping.inputs, unit, strict=True)], -1)
     group_values = grouping.axis_values(points)
@@ -119,7 +115,7 @@ def _within(grouping: Grouping, learned: xr.Dataset, names: Sequence[str]) -> tu
 
 
 def scale(study: Study, quantity: str) -> dict[str, float]:
-    """Powers of the study's factors, a load and a length, that a quantity is proportional to at the same groups."""
+    """Return the powers of a load and a length that a quantity is proportional to at the same groups."""
     if QUANTITY_WEIGHTS[quantity] == QUANTITY_WEIGHTS["pressure_exponent"]:
         return {}
     known = {*study.factors, *study.fixed, *(["thickness"] if study.body else [])}
@@ -130,7 +126,7 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
 
 
 def _coefficient(study: Study, name: str, combination: Combination) -> float:
-    """Factor of the logarithm of a length in a quantity that groups determine up to the datum."""
+    """Return the factor of the datum's logarithm in a quantity that groups decide up to the datum."""
     if name not in study.added:
         return 0.0
     datum = length(study)

@@ -1,7 +1,6 @@
-"""The data set of a study on disk: slabs written block by block, a card that describes them, opened lazily as one.
+"""The data set of a study on disk: slabs that are written block by block, and opened lazily as one.
 
-A block is part of one level of the first axis: neither the memory of a job nor a bit of the results depends on the
-number of slabs.
+A block is part of one level of the first axis, so that neither memory nor results depend on the number of slabs.
 """
 
 import json
@@ -38,10 +37,7 @@ _CHUNK_CASES, _CHUNK_POSITIONS = 2**14, 16
 
 
 def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = None) -> None:
-    """Solve one slab of the factorial exactly, and write it.
-
-    Shows cases done of all and the time left on a terminal.
-    """
+    """Solve one slab of the factorial exactly and write it, with progress on a terminal."""
     axes = factorial.axes(study)
     first = next(iter(axes))
     axes[first] = np.array_split(axes[first], partition.count(study))[index]
@@ -73,7 +69,7 @@ def write_slab(study: Study, index: int, path: Path, cache: CaseCache | None = N
 
 
 def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision: str) -> xr.Dataset:
-    """The slab without its values: coordinates, attributes, dimensions and types."""
+    """Return a slab without its values: coordinates, attributes, dimensions and types."""
     coords = {axis: xr.Variable(axis, levels, case[axis].attrs) for axis, levels in axes.items()}
     # along the first level of every axis, factors of groups stand there as arrays of one
     scalar_coordinates = {
@@ -84,31 +80,24 @@ def _frame(case: xr.Dataset, axes: Mapping[str, NDArray[np.float64]], precision:
     frame = xr.Dataset(coords=scalar_coordinates).assign_coords(coords)
     empty = {}
     for name, array in case.data_vars.items():
-        nothing = np.zeros((), precision if array.ndim > len(axes) else array.dtype)
+        zero = np.zeros((), precision if array.ndim > len(axes) else array.dtype)
         shape = [frame.sizes[dim] for dim in array.dims]
-        empty[name] = (array.dims, np.broadcast_to(nothing, shape), array.attrs)
+        empty[name] = (array.dims, np.broadcast_to(zero, shape), array.attrs)
     return frame.assign(empty).assign_attrs(case.attrs)
 
 
 def chunk_lengths(lengths: Sequence[int], cases: int) -> list[int]:
-    """Length of a chunk along every axis.
-
-    Chunks divide the axis that they split, where that takes no chunks of less than half of what is allowed; else the
-    last of the axis holds less than it has room for.
-    """
+    """Return the length of a chunk along every axis."""
     split, most = _split(lengths, cases)
     length = lengths[split]
-    even = max(part for part in range(1, most + 1) if length % part == 0)
-    part = even if 2 * even >= most else _about_equal(length, most)
+    divisor = max(part for part in range(1, most + 1) if length % part == 0)
+    # chunks divide the axis, unless they were shorter than half of the allowed length
+    part = divisor if 2 * divisor >= most else _about_equal(length, most)
     return [*([1] * split), part, *lengths[split + 1 :]]
 
 
 def block_regions(lengths: Sequence[int], chunk: Sequence[int], cases: int) -> Iterator[Region]:
-    """Yield the blocks in C order, each of whole chunks.
-
-    A chunk is compressed once and never read again while the file is written; no block goes beyond one level of the
-    first axis, which slabs share out.
-    """
+    """Yield blocks of whole chunks in C order, each within one level of the first axis; chunks are compressed once."""
     split, most = _split(lengths, cases)
     step = chunk[split] * _about_equal(ceil(lengths[split] / chunk[split]), max(1, most // chunk[split]))
     for leading in product(*(range(length) for length in lengths[:split])):
@@ -119,13 +108,13 @@ def block_regions(lengths: Sequence[int], chunk: Sequence[int], cases: int) -> I
 
 
 def _split(lengths: Sequence[int], cases: int) -> tuple[int, int]:
-    """The axis that is split so that later ones are whole, and how much of it so many cases hold; 1 of the first."""
+    """Return the axis that is split, so that later ones stay whole, and the levels of it in so many cases."""
     split = next(k for k in range(1, len(lengths) + 1) if prod(lengths[k:]) <= cases) - 1
     return split, max(1, cases // prod(lengths[split + 1 :])) if split else 1
 
 
 def _about_equal(length: int, most: int) -> int:
-    """The largest of as few pieces as possible, of about one size."""
+    """Return the size of the largest of as few, about equal pieces as possible."""
     return ceil(length / ceil(length / most))
 
 
@@ -172,7 +161,7 @@ def open_results(folder: str | os.PathLike[str]) -> xr.Dataset:
 
 
 class Stacked(BackendArray):
-    """A variable that lies in several files, one after the other along its first axis; read when indexed."""
+    """A variable in several files along its first axis, which is read when it is indexed."""
 
     def __init__(
         self, name: str, files: Sequence[Path], levels: Sequence[int], shape: tuple[int, ...], dtype: str
@@ -181,7 +170,7 @@ class Stacked(BackendArray):
         self.starts = np.concatenate([[0], np.cumsum(levels)])
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> NDArray[Any]:
-        """Values of an orthogonal selection."""
+        """Return the values of an orthogonal selection."""
         return np.asarray(
             indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER, self._selected)
         )
@@ -190,11 +179,11 @@ class Stacked(BackendArray):
         first, *selection = key
         wanted = np.atleast_1d(np.arange(self.shape[0])[first])
         parts = []
-        which = np.searchsorted(self.starts, wanted, side="right") - 1
-        changes = np.flatnonzero(np.diff(which)) + 1
-        for levels, part in zip(np.split(wanted, changes), np.split(which, changes), strict=True):
+        file_numbers = np.searchsorted(self.starts, wanted, side="right") - 1
+        changes = np.flatnonzero(np.diff(file_numbers)) + 1
+        for levels, numbers in zip(np.split(wanted, changes), np.split(file_numbers, changes), strict=True):
             if levels.size:
-                parts.append(self._read(int(part[0]), levels - self.starts[part[0]], selection))
+                parts.append(self._read(int(numbers[0]), levels - self.starts[numbers[0]], selection))
         whole = np.concatenate(parts) if parts else np.empty((0, *self.shape[1:]), self.dtype)[(slice(0), *selection)]
         return whole[0] if isinstance(first, int | np.integer) else whole
 
@@ -206,7 +195,7 @@ class Stacked(BackendArray):
 
 
 def gather(slabs: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Quantities of the whole factorial from its slabs, without the statistics of each slab."""
+    """Return the quantities of the whole factorial from its slabs, without the statistics of each slab."""
     names = [name for name in ALL_QUANTITIES if name in slabs[0]]
     whole = xr.concat([part[names] for part in slabs], dim=str(slabs[0][names[0]].dims[0]))
     for array in whole.data_vars.values():

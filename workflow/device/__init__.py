@@ -1,1 +1,1 @@
-"""A sensor in time: what its contact gives by force, the circuit that reads it, and the signal of a history."""
+"""A sensor in time: its contact as a function of force, the circuit that reads it, and the signal of a history."""

@@ -28,12 +28,12 @@ from workflow.language import grammar
 class Circuit:
     """Amplifier and cable of a contact, and the leakage of its film."""
 
-    numbers: Mapping[str, float]  # Those of a study's section ``device`` by their names, in SI
-    leakage: float = 0.0  # Rate 1/tau at which charge leaks through the film [1/s]
+    numbers: Mapping[str, float]  # of a study's section ``device`` by their names, in SI
+    leakage: float = 0.0  # rate 1/tau at which charge leaks through the film [1/s]
 
     @classmethod
     def of(cls, numbers: Mapping[str, float], film: Material | None = None) -> Self:
-        """The circuit of a device."""
+        """Return the circuit of a device."""
         if "resistivity" in numbers and "loss_tangent" in numbers:
             raise ValueError("resistivity: given with a loss_tangent; give one of them")
         if ("loss_tangent" in numbers) != ("loss_frequency" in numbers):
@@ -66,13 +66,13 @@ class Circuit:
 
     @cached_property
     def capacitance(self) -> float:
-        """C_e [F]: cable, input and what the feedback seems to be at the input."""
+        """C_e [F]: cable, input and the feedback as seen from the input."""
         feedback = (1 - self.gain) * self.numbers.get("feedback_capacitance", 0.0)
         return self._figure("circuit_capacitance", 0.0) + feedback
 
     @property
     def conductance(self) -> float:
-        """G_e [S]: of the input and of what the feedback seems to be there."""
+        """G_e [S]: input and the feedback as seen from the input."""
         feedback = (1 - self.gain) / self.numbers.get("feedback_resistance", np.inf)
         return 1 / self.numbers.get("input_resistance", np.inf) + feedback
 
@@ -82,17 +82,14 @@ class Circuit:
         return (contact + self.capacitance) / rate if rate else np.inf
 
     def noise(self, contact: float, temperature: float) -> float:
-        """Charge at the input that is the noise, root mean square [C].
-
-        The figure ``smallest_force`` of a device: the amplifier's noise, and k T C of the capacitance that a resistance
-        discharges, which is the feedback, or all of the circuit.
-        """
+        """Return the noise as a charge at the input, root mean square [C], by the figure ``smallest_force``."""
         feedback, energy = self.numbers.get("feedback_capacitance", 0.0), BOLTZMANN * temperature
+        # k T C of the capacitance that a resistance discharges: the feedback's, or the circuit's
         heat = {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
         return self._figure("smallest_force", contact + feedback, charge_per_force=1.0, **heat)
 
     def _figure(self, name: str, contact: float, **known: float) -> float:
-        """A figure of a device with a contact of some capacitance [F]."""
+        """Return a figure of the device with a contact of a capacitance [F]."""
         numbers = {"charge_noise": 0.0, "voltage_noise": 0.0, "cable_capacitance": 0.0, **self.numbers, **known}
         numbers |= {"capacitance_per_length": contact, "electrode_length": 1.0}
         expression = grammar.parse(name)
@@ -100,5 +97,5 @@ class Circuit:
 
 
 def permittivity(film: Material) -> float:
-    """eps33 + e33^2/c33 [F/m]: of a film that cannot widen, as under a contact that is wide against it."""
+    """Return eps33 + e33^2/c33 [F/m], of a film that cannot widen, as under a wide contact."""
     return float(film.eps33 + film.e33**2 / film.c33)

@@ -32,16 +32,14 @@ Solver = Callable[[Mapping[str, Any]], xr.Dataset]
 
 @dataclass(frozen=True, eq=False)
 class ContactCurves:
-    """Charge Q(P) at zero volts and capacitance C(P) of a contact: its charge is Q(P) + C(P) V at a voltage V.
+    """Charge Q(P) at zero volts and capacitance C(P) of a contact, whose charge is Q(P) + C(P) V at a voltage V.
 
-    Both are polynomials in log P through the solver's values at Chebyshev points, over four decades. Below them Q goes
-    with P. C goes as C0 + k P^s: k and s continue value and slope, and C0 is the limit of a contact that only touches.
-    C0 is 0 where nothing but the contact conducts, and that of the air beside the contact elsewhere.
+    Both are polynomials in log P through solved values, over four decades. Below them Q is proportional to P, and C is
+    C0 + k P^s with value and slope continued; C0 is 0, or that of the air beside a contact that only touches.
 
-    C takes the charge Q, at P, from zero volts to the open circuit: -Q over the open-circuit voltage. So the charge is
-    exact at zero volts and at zero charge. Between them it is exact where the voltage does not widen the contact, as
-    on half-spaces. On films the capacitance of a contact held fixed differs from it by about one percent. A patch has
-    the capacitance of plates: its edges and other patches are left out.
+    C is -Q over the open-circuit voltage: the charge is exact at zero volts and at zero charge. Between them it is
+    exact where the voltage does not widen the contact, as on half-spaces; on films the capacitance of a fixed contact
+    differs by about one percent. A patch has the capacitance of plates, without edges and other patches.
     """
 
     largest_force: float  # [N]
@@ -59,7 +57,7 @@ class ContactCurves:
         solved: Solver = solve,
         body: Stack | None = None,
     ) -> Self:
-        """Curves of a case from the exact solver; ``body`` has the electrode of a case that is read at a patch."""
+        """Solve the curves of a case; ``body`` has the electrode of a case that is read at a patch."""
         kind = _readable(case, body)
         forces = largest_force * _SPAN ** ((gauss_points(_COUNT) - 1) / 2)
         answer = solved({**case, kind.loads.force: forces / length})
@@ -80,17 +78,17 @@ class ContactCurves:
         return cls(largest_force, curves, air=(case.get("surroundings") or around(case)) == AIR)
 
     def charge(self, force: Array) -> Array:
-        """Charge at zero volts [C] at forces from 0 to the largest, (force,)."""
+        """Return the charge at zero volts [C] at forces from 0 to the largest, (force,)."""
         return np.asarray(force * chebval(self._abscissae(force), self.curves[0]))
 
     def charge_slope(self, force: Array) -> Array:
-        """Derivative of the charge at zero volts by the force [C/N], (force,)."""
+        """Return the derivative of the charge at zero volts by the force [C/N], (force,)."""
         abscissae = self._abscissae(force)
         slope = chebval(abscissae, chebder(self.curves[0])) * 2 / np.log(_SPAN)
         return np.asarray(chebval(abscissae, self.curves[0]) + np.where(force > self._smallest_force, slope, 0.0))
 
     def capacitance(self, force: Array) -> Array:
-        """Capacitance [F] at forces from 0 to the largest, (force,)."""
+        """Return the capacitance [F] at forces from 0 to the largest, (force,)."""
         if self.plates is not None:
             return np.full(np.shape(force), self.plates)
         limit, exponent = self._touching
@@ -116,7 +114,7 @@ class ContactCurves:
         return self.largest_force / _SPAN
 
     def _abscissae(self, force: Array) -> Array:
-        """Abscissae of the polynomials, in [-1, 1]; forces below the solved ones have that of the smallest."""
+        """Return abscissae of the polynomials, in [-1, 1]; forces below the solved ones have that of the smallest."""
         return np.asarray(1 + 2 * np.log(np.maximum(force, self._smallest_force) / self.largest_force) / np.log(_SPAN))
 
     @property
@@ -129,7 +127,7 @@ class ContactCurves:
 def film(
     case: Mapping[str, Any], materials: Mapping[str, Material], phases: tuple[str, str]
 ) -> tuple[Stack | None, Material]:
-    """Return the layer between the electrodes of a case on a single film, if it is on one, and the body's material."""
+    """Return the single film of a case between its electrodes, None without a film, and the body's material."""
     material = material_of(Cases(checked(dict(case)), materials, phases))
     if "thickness" not in case:
         return None, material
@@ -142,7 +140,7 @@ def film(
 
 
 def _readable(case: Mapping[str, Any], body: Stack | None) -> Kind:
-    """The kind of a case whose charge can be read."""
+    """Return the kind of a case; FactorError unless its charge can be read."""
     kind = kind_of([*case, *([BODY] if body else [])], case.get("profile", "cylinder"))
     for name in (kind.loads.force, *kind.loads.charges):
         if name in case:

@@ -1,4 +1,4 @@
-"""A press in time on a contact of a study: pressed, held and let go, as its amplifier reads it."""
+"""The signal of a press in time on a contact of a study: pressed, held and let go."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -23,7 +23,7 @@ _PARTS = 40  # into which each part of the history is divided
 
 
 def history(pressing: Pressing, case: Mapping[str, Any]) -> History:
-    """The forces: even up, held, even down, and a fifth of the hold without; so is what touches, if it is warm."""
+    """Return forces that rise, are held, fall and are zero for a fifth of the hold; and likewise temperatures."""
     times = np.cumsum([0.0, pressing.press, pressing.hold, pressing.press, pressing.hold / 5])
     shape, temperatures = np.array([0.0, 1.0, 1.0, 0.0, 0.0]), None
     if "touch_temperature" in case:
@@ -33,7 +33,7 @@ def history(pressing: Pressing, case: Mapping[str, Any]) -> History:
 
 
 def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Dataset:
-    """The signal of a press on a case."""
+    """Return the signal of a press on a case."""
     assert study.device is not None
     numbers = study.device.constants | {name: float(case[name]) for name in DEVICE if name in case}
     factors, body, material = _pressed(study, pressing, case)
@@ -45,7 +45,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
     heat = np.zeros(len(times.times)) if warm is None else warm.charge(times)
     reading = read(times, contact, circuit, heat)
     out = xr.Dataset(coords={"time": ("time", times.times, {"units": "s", "long_name": "time"})})
-    for name, values, units, said in (
+    for name, values, units, long_name in (
         ("force", times.forces, "N", "force on the punch"),
         ("charge", reading.charge, "C", "charge of the contact"),
         ("voltage", reading.voltage, "V", "voltage that the contact is read at"),
@@ -59,7 +59,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
         ("noise_output", figures.noise[1], "V", "noise at the output, root mean square"),
         ("noise_force", figures.noise[2], "N", "noise as a force, root mean square"),
     ):
-        out[name] = ("time" if np.ndim(values) else (), values, {"units": units, "long_name": said})
+        out[name] = ("time" if np.ndim(values) else (), values, {"units": units, "long_name": long_name})
     if warm is not None and times.temperatures is not None:
         out["temperature"] = ("time", times.temperatures, {"units": "K", "long_name": "temperature of what touches"})
         out["heat"] = ("time", heat, {"units": "C", "long_name": "charge that its heat has made"})
@@ -71,7 +71,7 @@ def signal(study: Study, pressing: Pressing, case: Mapping[str, Any]) -> xr.Data
 def _warmth(
     study: Study, pressing: Pressing, case: Mapping[str, Any], times: History, factors: Mapping[str, Any]
 ) -> tuple[Warmth | None, str]:
-    """Heat of a press on a case that something warm touches; without it the reason, empty where nothing is warm."""
+    """Return the heat of a press on a case; without heat None and the reason, empty where nothing is warm."""
     if "touch_temperature" not in case:
         return None, ""
     solved = study.solved(solve, {**_cold(case), study.kind.loads.force: pressing.force / length(study)})
@@ -85,29 +85,29 @@ def _warmth(
 
 
 def _cold(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Factors on which the contact depends."""
+    """Return the factors of a case without those of heat."""
     return {name: value for name, value in case.items() if name not in OF_HEAT}
 
 
 def length(study: Study) -> float:
-    """Length of a line contact [m], whose load is per metre."""
+    """Return the length of a line contact [m], whose load is per metre; 1 of a point."""
     return (study.device.constants if study.device else {}).get("electrode_length", 1.0)
 
 
 def _pressed(
     study: Study, pressing: Pressing, case: Mapping[str, Any]
 ) -> tuple[dict[str, Any], Stack | None, Material]:
-    """Factors of a case without its force, the layers if there are any, and what charge leaks through."""
+    """Return a case's factors without force and heat, its layers or None, and the material that leaks charge."""
     force = study.kind.loads.force
     factors = {name: value for name, value in _cold(case).items() if name != force}
     if study.body:
         body = layered.stack(study.body, factors, study.own_materials, study.phases)
-        return factors, body, _beside(body, factors)
+        return factors, body, _leaking_layer(body, factors)
     pressed = {**factors, force: pressing.force / length(study)}
     return factors, *film(pressed, study.own_materials, (study.phases[0], study.phases[1]))
 
 
-def _beside(body: Stack, case: Mapping[str, Any]) -> Material:
-    """Return the material through which charge leaks: the layer at the electrode that is read, or the top layer."""
+def _leaking_layer(body: Stack, case: Mapping[str, Any]) -> Material:
+    """Return the material of the layer at the electrode that is read, or of the top layer."""
     between = Electrode(body, int(case["collector"])).between if "collector" in case else []
     return body.layers[between[0][-1] if between else 0].material

@@ -38,19 +38,19 @@ _SINGULAR = 1e-8  # relative, of what is fitted: below it exponentials cancel on
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """Forces on a punch, and perhaps temperatures of it, linear in time between the rows."""
+    """Forces on a punch, and its temperatures if known, linear in time between the rows."""
 
     times: Array  # ascending [s]; (time,)
     forces: Array  # not negative [N]; (time,)
-    temperatures: Array | None = None  # of what touches [K]; (time,)
+    temperatures: Array | None = None  # of the punch [K]; (time,)
 
     def divided(self, parts: int) -> "History":
         """Return the history with each interval in equal parts."""
-        fractional_rows = np.linspace(0, len(self.times) - 1, (len(self.times) - 1) * parts + 1)
         rows = np.arange(len(self.times))
+        fractional_rows = np.linspace(0, len(self.times) - 1, (len(self.times) - 1) * parts + 1)
         times, forces = (np.interp(fractional_rows, rows, values) for values in (self.times, self.forces))
-        warm = self.temperatures
-        return History(times, forces, None if warm is None else np.interp(fractional_rows, rows, warm))
+        temperatures = None if self.temperatures is None else np.interp(fractional_rows, rows, self.temperatures)
+        return History(times, forces, temperatures)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,16 +65,14 @@ class Signal:
 def read(history: History, contact: ContactCurves, circuit: Circuit, heat: Array | None = None) -> Signal:
     """Return the signal of a history, which begins without voltage, at its times.
 
-    ``heat`` is charge of the contact's heat at these times [C], (time,); it changes evenly between them, and so flows
-    the amplifier's bias current.
-
-    The balance of charge (``workflow.device.circuit``) is an equation for the charge y = (C(P) + C_e) V that the
-    voltage stores, stiff where the circuit is fast:
+    ``heat`` is the charge of heat at these times [C], (time,), linear between them. The balance of charge
+    (``workflow.device.circuit``) is an equation for the charge y = (C(P) + C_e) V that the voltage stores, stiff where
+    the circuit is fast:
 
         dy/dt = -y (C(P)/tau + G_e)/(C(P) + C_e) - Q'(P) dP/dt - dQ_heat/dt + I_bias.
 
-    It is linear in y, so that an interval takes y to a y + b. Both come from one step of Radau's implicit method of
-    order five, for many intervals together. An interval whose two halves give other numbers is divided.
+    It is linear in y: an interval takes y to a y + b, both from one step of Radau's implicit method of order five, for
+    many intervals together. An interval whose two halves give other numbers is divided.
     """
     balance = _Balance(contact, circuit)
     steps = np.diff(history.times)
@@ -107,7 +105,7 @@ class Figures:
 
     @classmethod
     def of_contact(cls, contact: ContactCurves, circuit: Circuit, temperature: float) -> Self:
-        """Figures of a contact and a circuit."""
+        """Return the figures of a contact and a circuit."""
         largest = np.array([contact.largest_force])
         charge, capacitance = float(contact.charge(largest)[0]), float(contact.capacitance(largest)[0])
         noise = circuit.noise(capacitance, temperature)
@@ -117,19 +115,19 @@ class Figures:
         return cls(charge, charge * amplified, capacitance, circuit.time_constant(capacitance), noises)
 
     def drop(self, time: float) -> float:
-        """Share that a constant force has lost after a time [s]."""
+        """Return the share of a constant force's signal that is lost after a time [s]."""
         return float(-np.expm1(-time / self.time_constant))
 
 
 @dataclass(frozen=True)
 class _Balance:
-    """The balance of charge on intervals in which force, heat and bias current act at a constant rate."""
+    """The balance of charge on intervals with constant rates of force, heat and bias current."""
 
     contact: ContactCurves
     circuit: Circuit
 
     def scale(self, history: History) -> float:
-        """Size of the stored charge [C]: all that the contact draws, or what its current leaves where that leaks."""
+        """Return the size of the stored charge [C]: the contact's charge, or less where it leaks."""
         largest = np.array([self.contact.largest_force])
         charge = abs(float(self.contact.charge(largest)[0]))
         rate = float(np.abs(np.diff(history.forces) / np.diff(history.times)).max()) / self.contact.largest_force
@@ -137,25 +135,22 @@ class _Balance:
         return charge * min(1.0, rate / leak) if leak and rate else charge
 
     def step(self, steps: Array, forces: Array, ends: Array, other_charge: Array) -> tuple[Array, Array]:
-        """Factor and summand by which one step changes the stored charge; (interval,) each.
-
-        The summand is that of a step of Radau's method from near the balance of current and leak. What is stored
-        beyond that balance decays by the exact exponential: the method's own decay is poor where a step is long.
-        ``beside`` is charge that the contact draws otherwise than by its force [C].
-        """
-        pressed = forces[:, None] + (ends - forces)[:, None] * _RADAU
-        leaks = self._leak(pressed) * steps[:, None]
-        drawn = self.contact.charge_slope(pressed) * (ends - forces)[:, None] + other_charge[:, None]
+        """Return factor and summand by which one step changes the stored charge; `other_charge` is of heat and bias."""
+        node_forces = forces[:, None] + (ends - forces)[:, None] * _RADAU
+        leaks = self._leak(node_forces) * steps[:, None]
+        induced = self.contact.charge_slope(node_forces) * (ends - forces)[:, None] + other_charge[:, None]
         system = np.eye(3) + _COEFFICIENTS * leaks[:, None, :]
-        initial = -drawn[:, :1] / (leaks[:, :1] + 1 / (1 + leaks[:, :1]))
-        reached = np.linalg.solve(system, (initial - drawn @ _COEFFICIENTS.T)[..., None])[:, -1, 0]
+        # a step of Radau's method from near the balance of current and leak; charge beyond that decays by the exact
+        # exponential, since the method's own decay is poor where a step is long
+        initial = -induced[:, :1] / (leaks[:, :1] + 1 / (1 + leaks[:, :1]))
+        final = np.linalg.solve(system, (initial - induced @ _COEFFICIENTS.T)[..., None])[:, -1, 0]
         decay = np.exp(-(leaks @ _COEFFICIENTS[-1]))
-        return decay, reached - decay * initial[:, 0]
+        return decay, final - decay * initial[:, 0]
 
     def advance(
         self, steps: Array, forces: Array, ends: Array, other_charge: Array, tolerance: float, depth: int = 0
     ) -> tuple[Array, Array]:
-        """Factor and summand by which intervals change the stored charge, to a tolerance [C]; (interval,) each."""
+        """Return factor and summand by which intervals change the stored charge, to a tolerance [C]; (interval,)."""
         whole = self.step(steps, forces, ends, other_charge)
         middle = (forces + ends) / 2
         factor, change = _in_turn(
@@ -173,23 +168,20 @@ class _Balance:
         return factor, change
 
     def _leak(self, forces: Array) -> Array:
-        """Rate at which the stored charge leaks [1/s], at forces of any shape."""
+        """Return the rate at which the stored charge leaks [1/s], at forces of any shape."""
         capacitance = self.contact.capacitance(forces)
         leaking = capacitance * self.circuit.leakage + self.circuit.conductance
         return np.asarray(leaking / (capacitance + self.circuit.capacitance))
 
 
 def _in_turn(first: tuple[Array, Array], second: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Factor and summand of one step after another."""
+    """Return factor and summand of two steps, one after the other."""
     return second[0] * first[0], second[0] * first[1] + second[1]
 
 
 @dataclass(frozen=True, eq=False)
 class Warmth:
-    """Charge after a step of 1 K at the surface, as a sum of exponentials that approach their ends.
-
-    The contact is the one under the largest force for all of the history: a smaller one has less heat.
-    """
+    """Charge after a step of 1 K at the surface, as a sum of exponentials, under the largest force of the history."""
 
     rates: Array  # [1/s]; (term,)
     sizes: Array  # charge of each term in the end [C/K]; (term,)
@@ -206,7 +198,7 @@ class Warmth:
         materials: Mapping[str, Material],
         phases: tuple[str, str] = ("BaTiO3", "CoFe2O4"),
     ) -> Self:
-        """Warmth of a solved film below what a history presses on it; ``length`` [m] is that of a line."""
+        """Fit the warmth of a solved film under a history's punch; ``length`` [m] is that of a line."""
         whole = float(history.times[-1] - history.times[0])
         first = max(float(np.diff(history.times).min()), _SHORT * whole / (len(history.times) - 1)) / 2
         times = np.geomspace(min(first, whole / 10) / _EARLIER, whole, _TIMES)
@@ -218,13 +210,13 @@ class Warmth:
         return cls(rates, np.asarray(sizes, dtype=np.float64), float(np.abs(approach @ sizes - charges).max()) / scale)
 
     def charge(self, history: History) -> Array:
-        """Charge of the heat at the times of a history [C], (time,); the first temperature is that of the body."""
+        """Return the charge of heat at the times of a history [C], (time,); the body has the first temperature."""
         assert history.temperatures is not None
         steps, rises = np.diff(history.times), np.diff(history.temperatures)
         lags, out = np.zeros_like(self.rates), np.zeros(len(history.times))
         total = self.sizes.sum() * (history.temperatures - history.temperatures[0])
         for row, (step, rise) in enumerate(zip(steps.tolist(), rises.tolist(), strict=True), 1):
-            falls = np.exp(-self.rates * step)
-            lags = lags * falls - rise * np.expm1(-self.rates * step) / (self.rates * step)
+            decay = np.exp(-self.rates * step)
+            lags = lags * decay - rise * np.expm1(-self.rates * step) / (self.rates * step)
             out[row] = total[row] - self.sizes @ lags
         return out

@@ -1,4 +1,4 @@
-"""Names that have one value in a design question: what materials bear, and what is read or driven through the punch."""
+"""Names that have one value in a design question: limits of materials, numbers of the device, figures of both."""
 
 from typing import Literal, cast
 
@@ -7,7 +7,7 @@ from solver.names import LIMITS
 
 _BASE = "base_"
 
-#: What the top material bears, and under ``base_...`` what the base does.
+#: Limits of the top material, and under ``base_...`` those of the base.
 ALLOWABLES: dict[str, Described] = LIMITS | {
     f"{_BASE}{name}": Described(limit.units, f"{limit.long_name}, of the base") for name, limit in LIMITS.items()
 }
@@ -36,7 +36,7 @@ DEVICE: dict[str, Described] = {
 #: Every name of a constant.
 CONSTANTS: dict[str, Described] = {**ALLOWABLES, **DEVICE}
 
-#: Contact of punch and body, and the amplifier that reads it, as far as figures of a device depend on them.
+#: Kind of contact, and whether a charge amplifier reads it: figures of a device depend on both.
 Meeting = Literal[
     "line", "line in air", "point", "point in air", "line, charge amplifier", "line in air, charge amplifier",
     "point, charge amplifier", "point in air, charge amplifier",
@@ -47,12 +47,12 @@ Read = Literal["line", "line in air", "point", "point in air"]
 def _figures(
     pressing: str, capacitance: str, blocked: str, *, per_metre: bool, reads_charge: bool
 ) -> dict[str, Described]:
-    """Figures of a device, from the names of load, capacitance and blocked load of its contact."""
+    """Return the figures of a device, from the names of load, capacitance and blocked load of its contact."""
     length = " * electrode_length" if per_metre else ""
     charge = f"charge_per_force * {pressing}{length}"
     circuit = f"({capacitance}{length} + input_capacitance + cable_capacitance)"
-    seen = f"({circuit} + feedback_capacitance)" if reads_charge else circuit  # by the amplifier's voltage noise
-    noise = f"sqrt(charge_noise^2 + (voltage_noise * {seen})^2 + thermal_energy * {circuit} + feedback_heat^2)"
+    at_input = f"({circuit} + feedback_capacitance)" if reads_charge else circuit  # which the voltage noise charges
+    noise = f"sqrt(charge_noise^2 + (voltage_noise * {at_input})^2 + thermal_energy * {circuit} + feedback_heat^2)"
     if reads_charge:
         voltage = ("output voltage of the charge amplifier", f"{charge} / feedback_capacitance")
         decay = "feedback_resistance * feedback_capacitance"
@@ -110,7 +110,7 @@ _CONTACTS: dict[Read, tuple[str, str, str]] = {
 
 
 def meeting_of(contact: Read, *, reads_charge: bool) -> Meeting:
-    """Meeting of a contact that a charge amplifier or another one reads."""
+    """Return the key of `FIGURES_BY` for a contact and its amplifier."""
     return cast("Meeting", f"{contact}, charge amplifier") if reads_charge else contact
 
 
@@ -131,5 +131,5 @@ def of_the_base(name: str) -> bool:
 
 
 def plain(name: str) -> str:
-    """The name of ``LIMITS`` behind one of ``ALLOWABLES``."""
+    """Return the name in ``LIMITS`` of one of ``ALLOWABLES``."""
     return name.removeprefix(_BASE)

@@ -1,4 +1,4 @@
-"""Arithmetic of quantities as a tree that knows its value, its derivatives and its unit."""
+"""Arithmetic of quantities as a tree with value, derivatives and unit."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
@@ -19,7 +19,7 @@ Partials = dict[str, Array]
 
 
 def units_of(name: str) -> str:
-    """The unit of a quantity, constant or factor, as the interface writes it."""
+    """Return the unit of a quantity, constant or factor, as the interface writes it."""
     return (ALL_QUANTITIES.get(name) or CONSTANTS.get(name) or FACTORS[name]).units
 
 
@@ -28,22 +28,22 @@ class Expression(ABC):
 
     @abstractmethod
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """Value, and derivative by every name that occurs; arrays of the values' common shape."""
+        """Return the value, and its derivative by every name; arrays of the values' common shape."""
 
     @abstractmethod
     def unit(self) -> units.Unit | None:
-        """Unit in SI, None for a bare number; ValueError where unlike units are added."""
+        """Return the unit in SI, None for a bare number; ValueError where unlike units are added."""
 
     def evaluate(self, values: Mapping[str, Array]) -> Array:
-        """Value alone."""
+        """Return the value without derivatives."""
         return self.partials(values)[0]
 
     def names(self) -> list[str]:
-        """Names that occur, each once, in their order."""
+        """Return the names in the expression, each once, in their order."""
         return list(dict.fromkeys(node.name for node in self.walk() if isinstance(node, Name)))
 
-    def lone(self) -> str | None:
-        """The interface's unit where that is the expression's: a quantity, its size, sums; None otherwise."""
+    def interface_unit(self) -> str | None:
+        """Return the interface's unit of a quantity, its size or a sum; None if the expression has another unit."""
         unit = self.unit()
         for name in self.names():
             if unit is not None and units.parse(units_of(name)).fits(unit):
@@ -51,7 +51,7 @@ class Expression(ABC):
         return None
 
     def walk(self) -> Iterator["Expression"]:
-        """Itself and every node below."""
+        """Yield this node and every node below it."""
         yield self
         for part in vars(self).values():
             for node in part if isinstance(part, tuple) else (part,):
@@ -67,11 +67,11 @@ class Number(Expression):
     measured_in: units.Unit | None = None  # Its unit, where it was written with one
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """The value, with no derivative."""
+        """Return the value, which has no derivatives."""
         return np.float64(self.value) * np.ones(()), {}
 
     def unit(self) -> units.Unit | None:
-        """Unit that stands behind it; None of a bare number: it takes the unit of what it is added to."""
+        """Return the unit behind the number; None of a bare one, which takes the unit of what it is added to."""
         return self.measured_in
 
 
@@ -82,12 +82,12 @@ class Name(Expression):
     name: str
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """The value given under the name."""
+        """Return the value of the name, and 1 as its derivative."""
         value = np.asarray(values[self.name], dtype=np.float64)
         return value, {self.name: np.ones_like(value)}
 
     def unit(self) -> units.Unit | None:
-        """Unit of the interface."""
+        """Return the unit of the name in the interface."""
         return units.parse(units_of(self.name))
 
 
@@ -99,14 +99,18 @@ class Operation(Expression):
     parts: tuple[Expression, ...]
 
     def partials(self, values: Mapping[str, Array]) -> tuple[Array, Partials]:
-        """Value and derivatives by the chain rule; at a kink the derivative from one side."""
+        """Return value and derivatives by the chain rule; at a kink the derivative from one side."""
         parts = [part.partials(values) for part in self.parts]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a pole is found and named by the search
+        total: Partials = {}
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # the search refuses poles by name
             value, *slopes = _RULES[self.symbol](*(value for value, _ in parts))
-            return value, _combined(*zip(slopes, (inner for _, inner in parts), strict=True))
+            for outer, (_, partials) in zip(slopes, parts, strict=True):
+                for name, inner in partials.items():
+                    total[name] = total[name] + outer * inner if name in total else outer * inner
+        return value, total
 
     def unit(self) -> units.Unit | None:
-        """Equal units add and compare; products and quotients multiply; powers and roots have those of their unit."""
+        """Return the unit by the rules of units; ValueError where unlike units are added or compared."""
         inner = [part.unit() for part in self.parts]
         known = [unit for unit in inner if unit is not None]
         if not known:
@@ -125,12 +129,12 @@ class Operation(Expression):
         return known[0].power(Fraction(1, 2)) if self.symbol == "sqrt" else known[0]
 
 
-def _chosen(place: Callable[..., Any], *values: Array) -> tuple[Any, ...]:
-    """The value at a place among several, and its slopes by each: 1 by the one that is chosen."""
+def _selected(index_of: Callable[..., Any], *values: Array) -> tuple[Any, ...]:
+    """Return the value that `index_of` (argmin, argmax) selects, and its derivatives: 1 by the selected value."""
     stack = np.stack(np.broadcast_arrays(*values))
-    chosen = place(stack, axis=0)
-    slopes = (np.where(chosen == k, 1.0, 0.0) for k in range(len(values)))
-    return np.take_along_axis(stack, chosen[None], 0)[0], *slopes
+    index = index_of(stack, axis=0)
+    slopes = (np.where(index == k, 1.0, 0.0) for k in range(len(values)))
+    return np.take_along_axis(stack, index[None], 0)[0], *slopes
 
 
 #: Value of each operator and function, then its derivative by each part.
@@ -144,15 +148,6 @@ _RULES: dict[str, Callable[..., tuple[Any, ...]]] = {
     "sqrt": lambda a: (np.sqrt(a), 0.5 / np.sqrt(a)),
     "log": lambda a: (np.log(a), 1 / a),
     "exp": lambda a: (np.exp(a), np.exp(a)),
-    "min": partial(_chosen, np.argmin),
-    "max": partial(_chosen, np.argmax),
+    "min": partial(_selected, np.argmin),
+    "max": partial(_selected, np.argmax),
 }
-
-
-def _combined(*parts: tuple[Any, Partials]) -> Partials:
-    """Sum of weight times partials."""
-    total: Partials = {}
-    for weight, partials in parts:
-        for name, slope in partials.items():
-            total[name] = total[name] + weight * slope if name in total else weight * slope
-    return total

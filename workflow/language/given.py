@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from pydantic import ValidationInfo
 
 _NUMBERS = ("low", "high", "choices", "uniform", "normal", "triangular")  # of a range or a distribution
-#: Sizes, in SI, below and from which on a bare number has probably lost its unit, and the unit that was meant.
-_USUAL: dict[str, tuple[float, float, str]] = {
+#: Usual sizes, from and to, in SI: outside of them a bare number has probably lost its unit, and which one.
+_USUAL_SIZES: dict[str, tuple[float, float, str]] = {
     "radius": (1e-10, 10.0, "mm"),
     "width": (1e-10, 1.0, "mm"),
     "gap_radius": (1e-10, 10.0, "mm"),
@@ -56,15 +56,15 @@ class UnitlessError(ValueError):
 
 def check_bare(name: str, value: float, units: str = "") -> None:
     """Raise UnitlessError for a bare number orders of magnitude outside of what a factor or device has."""
-    least, most, usual = _USUAL.get(own_kind(name) or name, (0.0, float("inf"), ""))
+    least, most, usual = _USUAL_SIZES.get(own_kind(name) or name, (0.0, float("inf"), ""))
     if 0 < abs(value) < least or most <= abs(value) < most * _IMPLAUSIBLE:
         text = f"{100 * value:g} %" if usual == "%" else f"{value:g} {units or units_of(name)}"
         usual = "mm" if usual == "um" and abs(value) < 1 else usual
         raise UnitlessError(f"{value:g} is {text}; did you mean {value:g} {usual}? {text!r} is read as it stands")
 
 
-#: Pressure that no piezoceramic bears [Pa], at which a bare force has probably lost its unit.
-DESTROYED = 1.5e9
+#: Pressure that destroys every piezoceramic [Pa]: a bare force that exceeds it has probably lost its unit.
+DESTRUCTIVE_PRESSURE = 1.5e9
 
 
 def lost_unit(value: float, unit: str, pressure: float) -> str:
@@ -76,13 +76,10 @@ def lost_unit(value: float, unit: str, pressure: float) -> str:
 
 
 def number(name: str, value: float | str, units: str = "", context: object = None) -> float:
-    """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked.
-
-    A bare number passes where the context of a validation says by ``in_si`` that it was read and checked before.
-    """
+    """Return the value in SI of a number of a factor or device; a text has its unit, a bare number is checked."""
     if isinstance(value, str):
         return in_si(value, units or units_of(name))
-    if not getattr(context, "in_si", False):
+    if not getattr(context, "in_si", False):  # the context of a validation says that it was checked before
         check_bare(name, value, units)
     return value
 
@@ -112,7 +109,7 @@ def _read(name: str, value: Any, place: tuple[str, ...], context: object) -> Any
 
 
 def size(name: str, text: str) -> tuple[float, float]:
-    """A size of a quantity or factor: its absolute part in SI, and its share of the value."""
+    """Return a positive size of a quantity or factor: its absolute part in SI, and its share of the value."""
     match = _SIZE.fullmatch(units.plain(text.strip().removeprefix("±").removeprefix("+-")))
     if match is None or not float(match["value"]) > 0:
         raise ValueError(f"{text!r} is not a positive number with a unit, as '2 V' or '0.5 %'")
@@ -124,8 +121,8 @@ def size(name: str, text: str) -> tuple[float, float]:
     return float(match["value"]) * unit.scale, 0.0
 
 
-def told(name: str, text: str) -> str:
-    """A size as people write it."""
+def size_in_words(name: str, text: str) -> str:
+    """Return a size as people write it."""
     absolute, _ = size(name, text)
     in_degrees = text.strip().endswith("deg")
     return shown(absolute, units_of(name)) if absolute and not in_degrees else text.strip()

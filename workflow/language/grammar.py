@@ -6,9 +6,8 @@
     atom    := number [unit] | name | function "(" sum ("," sum)* ")" | "(" sum ")"
     unit    := symbol ((" " | "·" | "/") symbol)*    a symbol with its exponent; no blank beside "/"
 
-Names are the quantities and numeric factors of the interface, what materials bear, and the numbers and figures of a
-device; functions are abs, sqrt, log, exp, min and max. A number with a unit is taken to SI. A name that has a formula
-of others is read as that: of a figure the one of its meeting of punch and body.
+Names are the quantities and numeric factors of the interface, limits of materials, and numbers and figures of a device.
+A number with a unit is taken to SI. A name with a formula is read as its formula; that of a figure is the meeting's.
 """
 
 import re
@@ -55,7 +54,7 @@ class _Parser:
     def __init__(self, text: str, meeting: Meeting) -> None:
         self._meeting, self._known = meeting, _KNOWN[meeting]
         self._tokens: list[tuple[str, str]] = []
-        self._at = position = 0
+        self._index = position = 0
         while match := _TOKEN.match(text, position):
             group, position = str(match.lastgroup), match.end()
             self._tokens.append((group, match[group]))
@@ -64,7 +63,7 @@ class _Parser:
                 position = end
 
     def _unit_end(self, text: str, position: int) -> int:
-        """Position behind the symbols of a unit: what has another meaning behind a number is none."""
+        """Return the position behind the symbols of a unit; names of quantities and factors end the unit."""
         first = True
         while match := _SYMBOL.match(text, position):
             if match["symbol"] in self._known or match["symbol"] in FACTORS or (first and match["joint"].strip()):
@@ -74,17 +73,17 @@ class _Parser:
 
     def whole(self) -> Expression:
         tree = self._sum(0)
-        if self._at < len(self._tokens):
+        if self._index < len(self._tokens):
             raise ValueError(f"{self._peek()!r} is not expected there")
         return tree
 
     def _peek(self) -> str:
-        return self._tokens[self._at][1] if self._at < len(self._tokens) else ""
+        return self._tokens[self._index][1] if self._index < len(self._tokens) else ""
 
     def _take(self, *signs: str) -> str:
         token = self._peek()
         if token in signs and token:
-            self._at += 1
+            self._index += 1
             return token
         return ""
 
@@ -113,15 +112,15 @@ class _Parser:
             sign, exponent = self._take("-", "+"), self._peek()
             if not exponent.isdecimal() or int(exponent) > 9:
                 raise ValueError("an exponent must be a whole number from -9 to 9")
-            self._at += 1
+            self._index += 1
             return Operation("^", (atom, Number(float(sign + exponent))))
         return atom
 
     def _atom(self, depth: int) -> Expression:
-        if self._at >= len(self._tokens):
+        if self._index >= len(self._tokens):
             raise ValueError("something is missing at its end")
-        group, token = self._tokens[self._at]
-        self._at += 1
+        group, token = self._tokens[self._index]
+        self._index += 1
         if group == "number":
             return self._number(token)
         if group == "name" and self._take("("):
@@ -139,9 +138,9 @@ class _Parser:
 
     def _number(self, digits: str) -> Number:
         text, unit = digits, None
-        if self._at < len(self._tokens) and self._tokens[self._at][0] == "unit":
+        if self._index < len(self._tokens) and self._tokens[self._index][0] == "unit":
             text, unit = f"{digits} {self._peek()}", units.parse(self._peek())
-            self._at += 1
+            self._index += 1
         value = float(digits) if unit is None else units.scaled(digits, unit.scale)
         if not isfinite(value):
             raise ValueError(f"{text} is not a finite number")

@@ -1,4 +1,4 @@
-"""Values for people: a decimal prefix that keeps numbers short, units with a slash; as templates/numbers.js."""
+"""Numbers as texts for people, with decimal prefixes; templates/numbers.js writes them alike."""
 
 import math
 import textwrap
@@ -12,7 +12,7 @@ _MINUS = "\N{MINUS SIGN}"
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number for people: plain from 0.001 to 99999 and else with a power of ten; a dash for none."""
+    """Return a number as text: plain from 0.001 to 99999, else with a power of ten; a dash for none."""
     if value is None or not math.isfinite(value):
         return "–"
     # halves away from zero, as JavaScript rounds them
@@ -30,7 +30,7 @@ def counted(count: float) -> str:
 
 
 def shown(value: float, units: str, digits: int = 5) -> str:
-    """A value with its prefix and unit; a dash where there is none."""
+    """Return a value with its prefix and unit; a dash for a value that is not finite."""
     if not math.isfinite(value):
         return "–"
     if units == "%":  # a share
@@ -39,7 +39,7 @@ def shown(value: float, units: str, digits: int = 5) -> str:
     return f"{number(value / size + 0.0, digits)} {text}".strip()  # no -0
 
 
-def label(text: str, units: str, most: int) -> str:
-    """A text and its unit in lines, no word cut, the unit in one piece."""
+def label(text: str, units: str, width: int) -> str:
+    """Return a text and its unit in lines of a width in letters; neither words nor the unit are broken."""
     unit = f" [{units.replace(' ', _JOINED)}]" if units else ""
-    return textwrap.fill(text.strip() + unit, most, break_on_hyphens=False)
+    return textwrap.fill(text.strip() + unit, width, break_on_hyphens=False)

@@ -35,7 +35,7 @@ def renamed_study(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _contacts(content: dict[str, Any]) -> set[str]:
-    """Kinds of contact of a study that is not checked yet: both, if its profile is unknown or a force varies."""
+    """Return the kinds of contact of an unchecked study: both, if its profile is unknown or a force varies."""
     profile, factors = _profile(content), content.get("factors")
     contact = PROFILES[profile].contact if profile in PROFILES else None
     if contact == "point" or (contact and not (isinstance(factors, dict) and "force" in factors)):
@@ -44,7 +44,7 @@ def _contacts(content: dict[str, Any]) -> set[str]:
 
 
 def _profile(content: dict[str, Any]) -> str:
-    """Profile of a study's cases, before the study is checked; all profiles of a study have one kind of contact."""
+    """Return the first profile of an unchecked study; all profiles of a study have one kind of contact."""
     for section in ("categories", "fixed"):
         part = content.get(section)
         profile = part.get("profile") if isinstance(part, dict) else None

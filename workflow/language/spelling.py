@@ -12,17 +12,18 @@ _BEGUN = 5  # letters of a name that is not written to its end
 
 def suggested(name: str, known: Collection[str]) -> str | None:
     """Return the known name nearest to a name, compared with known names, titles and old names; None if none is."""
-    called = {words.replace(" ", "_"): title for title, words in TITLES.items() if title in known}
+    known_by_word = {words.replace(" ", "_"): title for title, words in TITLES.items() if title in known}
     # a line has a voltage per load, a point one per force
     renamed = {old: (new, new.replace("_per_load", "_per_force")) for old, new in RENAMED.items()}
-    called |= {old: new for old, every in renamed.items() for new in reversed(every) if new in known}
+    known_by_word |= {old: new for old, both in renamed.items() for new in reversed(both) if new in known}
     from solver.arrays import SYNONYMS  # with numpy, which the help does without
 
-    called |= {word: meant for word, meant in SYNONYMS.items() if meant in known} | {word: word for word in known}
+    known_by_word |= {word: meant for word, meant in SYNONYMS.items() if meant in known}
+    known_by_word |= {word: word for word in known}
     word = name.strip().replace(" ", "_")
-    begun = [candidate for candidate in called if len(word) >= _BEGUN and candidate.startswith(word)]
-    near = sorted(begun, key=len) or get_close_matches(word, called, 1, _NEAR)
-    return called[near[0]] if near else None
+    begun = [candidate for candidate in known_by_word if len(word) >= _BEGUN and candidate.startswith(word)]
+    near = sorted(begun, key=len) or get_close_matches(word, known_by_word, 1, _NEAR)
+    return known_by_word[near[0]] if near else None
 
 
 def nearest(name: str, known: Sequence[str]) -> str:

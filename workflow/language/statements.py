@@ -3,7 +3,7 @@
 objective := expression | deviation
 deviation := "deviation(" expression ["over" factor ("," factor)*] ")"
 limit     := (expression | deviation) ("<=" | ">=" | "<" | ">") bound ["with probability" number]
-bound     := number [unit] | [number ["%"]] ["of"] name         the name of what a material bears, as coercive_field
+bound     := number [unit] | [number ["%"]] ["of"] name         the name of a material's limit, as coercive_field
 """
 
 import re
@@ -30,14 +30,12 @@ _DEVIATION = re.compile(
 class Statement:
     """Expression of a design question, with its text."""
 
-    # As the study has it, and the expression in it
-    text: str
-    inner: str
-    expression: Expression  # What is wanted or bounded
-    # Whether the largest relative deviation of the expression from its mean over the cases is meant
-    deviation: bool = False
-    over: tuple[str, ...] = ()  # The factors over which a deviation is taken; none: all that a design does not choose
-    meeting: Meeting = "line"  # Of punch and body, for which it was read
+    text: str  # of the statement, as the study has it
+    inner: str  # text of the expression
+    expression: Expression  # that is an objective or is bounded
+    deviation: bool = False  # whether its largest relative deviation from its mean over the cases counts instead
+    over: tuple[str, ...] = ()  # factors over which a deviation is taken; none: all that a design does not choose
+    meeting: Meeting = "line"  # kind of contact and amplifier by which figures were read
 
     def __str__(self) -> str:
         return self.text
@@ -56,7 +54,7 @@ class Objective(Statement):
 
     @property
     def key(self) -> str:
-        """The key of a target under which it stands."""
+        """Key of a target under which the objective stands."""
         return "maximise" if self.maximise else "minimise"
 
 
@@ -66,13 +64,11 @@ class Limit(Statement):
 
     key = "subject_to"
 
-    # The bound, in the expression's SI unit; of a bound that names what a material bears, the share of that
-    value: float
-    upper: bool  # Whether it is an upper bound
-    probability: float | None = None  # Share of the uncertain cases that must keep it; None: every case
-    # Whether the bound was written without a unit although the expression has one: it is read in SI
-    unitless: bool = False
-    allowable: str = ""  # The name of what a material bears, if that is the bound
+    value: float  # bound in the expression's SI unit, or share of the allowable
+    upper: bool  # whether it is an upper bound
+    probability: float | None = None  # share of the uncertain cases that must keep it; None: every case
+    unitless: bool = False  # whether a bound in SI was written without the unit that the expression has
+    allowable: str = ""  # name of the material's limit that bounds the expression, if any
 
     @property
     def sign(self) -> float:
@@ -82,14 +78,14 @@ class Limit(Statement):
 
 def objective(text: str, *, maximise: bool = True, meeting: Meeting = "line") -> Objective:
     """Read an objective."""
-    fields = _stated(text, text, meeting)
+    fields = _statement_fields(text, text, meeting)
     if fields["deviation"] and maximise:
         raise ValueError(f"{text!r}: a deviation is minimised")
     return Objective(**fields, maximise=maximise)
 
 
-def _stated(text: str, left: str, meeting: Meeting) -> dict[str, Any]:
-    """Fields of a statement whose expression, or deviation of one, is `left`."""
+def _statement_fields(text: str, left: str, meeting: Meeting) -> dict[str, Any]:
+    """Return the fields of a statement whose expression, or deviation of one, is `left`."""
     match = _DEVIATION.fullmatch(left) if len(left) <= grammar.LONGEST else None
     inner, over = (match["inner"], match["over"] or "") if match else (left, "")
     return {
@@ -109,18 +105,18 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     match = _LIMIT.fullmatch(text)
     if match is None or (match["value"] is None and not match["allowable"]):
         raise ValueError(f"{text!r} is not of the form: expression <= number [unit] [with probability p]")
-    fields = _stated(text, match["left"], meeting)
-    expression, wrapped = fields["expression"], fields["deviation"]
+    fields = _statement_fields(text, match["left"], meeting)
+    expression, is_deviation = fields["expression"], fields["deviation"]
     try:
         unit = units.parse(match["unit"])
     except ValueError as error:
         raise ValueError(f"{text!r}: {error}") from None
-    expected = units.Unit.none() if wrapped else expression.unit()
+    expected = units.Unit.none() if is_deviation else expression.unit()
     allowable = match["allowable"] or ""
     if allowable:
         _check_allowable(text, allowable, unit, expected)
     elif match["unit"] and expected is not None and not unit.fits(expected):
-        shown = str(expected) if wrapped else expression.lone() or str(expected)
+        shown = str(expected) if is_deviation else expression.interface_unit() or str(expected)
         raise ValueError(f"{text!r}: unit mismatch: the limit is in {match['unit']}, the expression in {shown}")
     value = float(match["value"] or 1.0) * unit.scale
     if not isfinite(value):
@@ -128,7 +124,7 @@ def limit(text: str, meeting: Meeting = "line") -> Limit:
     probability = float(match["probability"]) if match["probability"] else None
     if probability is not None and not 0.5 <= probability < 1:
         raise ValueError(f"{text!r}: probability {probability:g} is not from 0.5 to below 1")
-    if wrapped and (probability is not None or "<" not in match["sign"] or value <= 0):
+    if is_deviation and (probability is not None or "<" not in match["sign"] or value <= 0):
         raise ValueError(f"{text!r}: a deviation takes a positive upper bound and no probability")
     if allowable and not value > 0:
         raise ValueError(f"{text!r}: {value:g} of {allowable} is no bound; must be a positive share")

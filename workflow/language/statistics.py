@@ -20,7 +20,7 @@ class Worst:
 
 @dataclass(frozen=True)
 class Mean:
-    """The mean, or that minus some standard deviations."""
+    """The mean, or the mean minus some standard deviations."""
 
     drawn: ClassVar[bool] = True
     deviations: float
@@ -38,7 +38,7 @@ Statistic: TypeAlias = Worst | Mean
 
 
 def statistic(text: str) -> Statistic:
-    """Read one of the family, as ``mean - 2 std``."""
+    """Read a statistic, as ``mean - 2 std``."""
     words = " ".join(text.split())
     if words == "worst case":
         return Worst()

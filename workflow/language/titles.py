@@ -1,4 +1,4 @@
-"""Readable names of quantities, factors, expressions and limits: what a page says before the name of the interface."""
+"""Names of quantities, factors, expressions and limits in words, as pages and messages have them."""
 
 import math
 import re
@@ -15,26 +15,26 @@ from workflow.language.wordings import TITLES
 _NAME, _SIZE, _OTHERS = re.compile(r"[A-Za-z_]\w*"), re.compile(r"\babs\(([^()]*)\)"), re.compile(r"[-+*^]|/.*/")
 _SUM = r"\bcontact_(?:trailing \+ contact_leading|leading \+ contact_trailing)\b"
 _NEVER = {"heat_time": NEVER_TIME, "temperature_equal": NEVER_TEMPERATURE}
-_WIDTH = re.compile(rf"(?<!\w)\({_SUM}\)|{_SUM}")  # brackets of its own, but not of a function
+_WIDTH = re.compile(rf"(?<!\w)\({_SUM}\)|{_SUM}")  # with the sum's brackets, but not those of a function
 
 
 def title(name: str) -> str:
-    """A quantity or factor in words."""
+    """Return a quantity or factor in words."""
     return TITLES.get(name, name.replace("_", " "))
 
 
 def capital(text: str) -> str:
-    """A sentence from its words: its first letter a capital one, the others as they are."""
+    """Return a text with a capital first letter, the others as they are."""
     return text[:1].upper() + text[1:]
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words with commas between them, and an "and" before the last."""
+    """Return words with commas between them, and an "and" before the last."""
     return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
 
 
 def spoken(expression: Expression, text: str) -> str:
-    """Title of a name, its magnitude or the ratio of two; any other expression with its names in words."""
+    """Return an expression in words: the title of a name, its magnitude or a ratio, else the text with titles."""
     figure = text.strip().removeprefix("abs(").removesuffix(")").strip()
     if figure in FIGURES:
         return title(figure)
@@ -49,20 +49,20 @@ def spoken(expression: Expression, text: str) -> str:
 
 
 def in_words(text: str) -> str:
-    """A text with its names in words, sizes without their bars, and a lone division as "over"."""
+    """Return an expression's text with its names in words, without abs(), and a lone division as "over"."""
     words = _NAME.sub(lambda match: title(match[0]), _WIDTH.sub("width of the contact", _SIZE.sub(r"\1", text)))
     return words.replace(" / ", " over ") if not _OTHERS.search(text) else words
 
 
 def stated(statement: statements.Statement) -> str:
-    """Wanted or bounded expression in words, with the factors of a deviation."""
+    """Return a statement's expression in words, with the factors of a deviation."""
     words = spoken(statement.expression, statement.inner)
     over = f" over {listed([title(name) for name in statement.over])}" if statement.over else ""
     return f"deviation of {words}{over}" if statement.deviation else words
 
 
 def wanted(goals: Sequence[statements.Objective]) -> str:
-    """Goals of a design in words, as the title of its card."""
+    """Return the goals of a design in words, as the title of its card."""
     parts = []
     for goal in goals:
         words, most = stated(goal), "largest" if goal.maximise else "smallest"
@@ -71,23 +71,23 @@ def wanted(goals: Sequence[statements.Objective]) -> str:
 
 
 def units(statement: statements.Statement, si: str) -> str:
-    """The unit in which a statement's values are told, for their own in SI: deviations are shares."""
+    """Return the unit in which a statement's values are shown, from the one in SI: % for deviations."""
     return "%" if statement.deviation else si
 
 
 def bound(limit: statements.Limit, value: float, units: str) -> str:
-    """A limit in words."""
+    """Return a limit in words."""
     chance = "" if limit.probability is None else f" with probability {limit.probability:g}"
     return f"{stated(limit)} at {'most' if limit.upper else 'least'} {shown(value, units, 3)}{chance}"
 
 
 def value(name: str, number: float, digits: int = 3) -> str:
-    """A factor's or quantity's value with its unit; "never" for what heat does not reach."""
+    """Return a factor's or quantity's value with its unit; "never" for what heat does not reach."""
     if number >= _NEVER.get(name, math.inf):
         return "never"
     return shown(number, (FACTORS[name] if name in FACTORS else ALL_QUANTITIES[name]).units, digits)
 
 
 def span(name: str, low: float, high: float) -> str:
-    """A factor with the ends of its range; zero needs no unit."""
+    """Return a factor in words with the ends of its range; zero needs no unit."""
     return f"{title(name)} {value(name, low) if low else 0} to {value(name, high)}"

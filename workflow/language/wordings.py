@@ -2,7 +2,7 @@
 
 import re
 
-#: What names are called whose words alone do not say it.
+#: Titles of names that need other words than their own.
 TITLES = {
     "electric": "punch (electric)",
     "magnetic": "punch (magnetic)",
@@ -52,12 +52,12 @@ _FORMULA = tuple("=+-@\t\r")  # with which a spreadsheet begins to calculate
 
 
 def unverified(source: str) -> str:
-    """A mark for a source that says itself that it was not read, or that has no year."""
+    """Return a mark for a source that says that it was not read, or that has no year; empty for others."""
     if _NOT_READ.search(source):
         return " (unverified: not read at its source)"
     return "" if _YEAR.search(source) else " (unverified: no dated source)"
 
 
 def plain(cell: object) -> object:
-    """A cell of CSV: a text that a spreadsheet would calculate stands behind an apostrophe."""
+    """Return a cell of CSV with an apostrophe before a text that a spreadsheet would calculate."""
     return f"'{cell}" if isinstance(cell, str) and cell[:1] in _FORMULA else cell

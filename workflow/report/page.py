@@ -104,8 +104,8 @@ def page(
         "measurements": _json(folder / "measured/measurements.json") if study.measurements else [],
     }
     if study.factors:
-        names = coupling.told(study)
-        content["dataset"] = tables.dataset(folder, card, coupling.quantities(study))
+        names = coupling.felt_outputs(study)
+        content["dataset"] = tables.dataset(folder, card, coupling.felt_quantities(study))
         content["surface"] = tables.surface(folder / "surface_validation.nc") if study.surrogate.fields else None
         content["levels"] = tables.levels(Path(levels[0])) if levels else None
         content["sobol"] = tables.sobol(folder, coupling.outputs(study))

@@ -56,7 +56,7 @@ def content(
         "surrogate": stored if _combines(study, designs) else {key: stored[key] for key in stored if key != "together"},
         "quantities": [
             {"name": name, **ALL_QUANTITIES[name].attrs, "long_name": meaning(name, hangs), "title": titles.title(name)}
-            for name in coupling.told(study)
+            for name in coupling.felt_outputs(study)
         ],
         "figures": figures(study),
         "headlines": _HEADLINES,
@@ -89,7 +89,7 @@ def _combines(study: Study, designs: Sequence[Answer]) -> bool:
 def figures(study: Study) -> list[dict[str, Any]]:
     """Figures of the study's device that its quantities, its factors and the device's numbers tell, as formulas."""
     known = study.device.constants if study.device else {}
-    available = {*known, *coupling.told(study), *study.factors, *_held(study)}
+    available = {*known, *coupling.felt_outputs(study), *study.factors, *_held(study)}
     figures = FIGURES_BY[study.meeting]
     formulas = {name: grammar.parse(name, study.meeting) for name in figures}
     return [
@@ -118,7 +118,7 @@ def _kind(study: Study, model: GaussianProcess, combination: Combination) -> dic
     return {
         "names": combination,
         "allowances": assessment.allowances(study, Predicted(model, combination), study.outputs),
-        "columns": [model.outputs_.index(output(name, combination)) for name in coupling.told(study)],
+        "columns": [model.outputs_.index(output(name, combination)) for name in coupling.felt_outputs(study)],
         "pressure": closed_pressure(study, combination),
         "body": drawn_body(study, combination) if drawable(study) else None,
     }

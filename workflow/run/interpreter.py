@@ -1,7 +1,7 @@
-"""Quote the interpreter's path in the shell commands by which Snakemake starts scripts.
+"""Quotes around the interpreter's path in the shell commands by which Snakemake starts scripts.
 
-Snakemake 9 writes ``sys.executable`` into these commands as it is, so that a blank, a quote or a parenthesis in the
-path of the environment ends every job. Its formatter knows ``:q``.
+Snakemake 9 writes ``sys.executable`` into them as it is: a blank, a quote or a parenthesis in the path of the
+environment ends every job. Its formatter knows ``:q``.
 """
 
 import shlex

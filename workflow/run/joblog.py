@@ -1,4 +1,4 @@
-"""The beginning of a job: what Snakemake gives it, and its log: what was done, the whole story where it failed."""
+"""The beginning of a job: its log, the check of its sources and the names in its netCDF files."""
 
 import logging
 import sys
@@ -20,8 +20,8 @@ log = logging.getLogger("meecontact")
 
 
 def start(script: Mapping[str, Any]) -> "Snakemake":
-    """Return Snakemake's job of a script from its ``globals()``, with its log."""
-    warnings.simplefilter("ignore", SmallStrainWarning)  # a verdict says it of designs
+    """Begin the log of a script's job; return the job, from the script's ``globals()``."""
+    warnings.simplefilter("ignore", SmallStrainWarning)  # which the verdict on a design reports
     job: Snakemake = script["snakemake"]
     _log_to(job.log[0])
     provenance.check(lock.sources(Path(job.output[0])), script["__file__"])
@@ -30,10 +30,9 @@ def start(script: Mapping[str, Any]) -> "Snakemake":
 
 
 def bind(job: "Snakemake") -> None:
-    """Let the netCDF files of a job say which file of which state of the study they are, and check those that it reads.
+    """Write name and state of the study into a job's netCDF files, and check those of its inputs.
 
-    A slab in the place of another, of another study or of an earlier state of the study is a valid file with wrong
-    numbers: Snakemake compares times only.
+    Snakemake compares times only: a slab of another study or of an earlier state is a valid file with wrong numbers.
     """
     name, output = job.wildcards.study, Path(job.output[0])
     folder, states = lock.results(name, output), lock.states(output)

@@ -1,9 +1,7 @@
-"""One run a study at a time, and what a killed one leaves is swept away.
+"""A lock for one run a study at a time, which stores the study for the jobs; files of killed runs are removed.
 
-Snakemake's own lock outlives a killed run and then wants a manual `--unlock`; a lock of the kernel (`flock`) dies with
-its holder. It is taken when Snakemake has something to do, whether `meecontact run` or `snakemake` was called. It lies
-in the study's results, for these are what two runs must not share, from whichever checkout they come; and it holds the
-study as it was then, for the jobs.
+Snakemake's own lock outlives a killed run and then needs `--unlock`; a lock of the kernel (`flock`) dies with its
+holder. The file lies in the study's results, which two runs of any checkout must not share.
 """
 
 import atexit
@@ -21,7 +19,7 @@ from storage.sealed import PARTIAL
 RESULTS = Path("results")
 
 _LOCK = ".running"
-_held: dict[Path, IO[str]] = {}  # open files, and with them the locks, live as long as the process
+_open_locks: dict[Path, IO[str]] = {}  # open files, and with them the locks, live as long as the process
 
 
 class BusyError(RuntimeError):
@@ -39,16 +37,16 @@ def claim(
         path = (Path(results) / name / _LOCK).absolute()
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            _held[path] = file = _locked(name, path)
+            _open_locks[path] = file = _locked(name, path)
             file.truncate(0)
-            held = {
+            record = {
                 "host": socket.gethostname(),
                 "process": os.getpid(),
                 "study": content,
                 "sources": dict(sources or {}),
                 "states": sorted((states or {}).get(name, ())),
             }
-            json.dump(held, file)
+            json.dump(record, file)
             file.flush()
         except OSError as error:
             raise OSError(error.errno, error.strerror, str(Path(results) / name / _LOCK)) from None
@@ -56,53 +54,53 @@ def claim(
 
 @atexit.register
 def release() -> None:
-    """Give back what this process has claimed, as it does when it ends, and leave no lock among the results."""
-    while _held:
-        path, file = _held.popitem()
+    """Release all studies of this process, as at its end, and remove their locks from the results."""
+    while _open_locks:
+        path, file = _open_locks.popitem()
         with suppress(OSError):
             path.unlink()
         file.close()
 
 
 def begun(name: str, results: str | Path = RESULTS) -> Any:
-    """The frozen content with which the run of a study began; None where there is no run."""
+    """Return the frozen content with which the run of a study began; None where there is no run."""
     return _read(Path(results) / name / _LOCK).get("study")
 
 
 def results(name: str, output: Path) -> Path:
-    """The folder of all results, by a file of a study in it: below the prefix of a module that uses the Snakefile."""
+    """Return the folder of all results that a study's file lies in, below the prefix of a Snakemake module."""
     return next(folder.parent for folder in output.parents if (folder.parent.name, folder.name) == (RESULTS.name, name))
 
 
 def sources(output: Path) -> dict[str, str]:
-    """Digests of the sources with which the run began that makes this file; none where there is no run."""
-    return dict(_around(output).get("sources", {}))
+    """Return the digests of sources at the beginning of the run that makes a file; none where there is no run."""
+    return dict(_lock_above(output).get("sources", {}))
 
 
 def states(output: Path) -> frozenset[str]:
-    """Parameters that say the state of the study in the run that makes this file; none where there is no run."""
-    return frozenset(_around(output).get("states", ()))
+    """Return the parameters of the study's state in the run that makes a file; none where there is no run."""
+    return frozenset(_lock_above(output).get("states", ()))
 
 
-def _around(output: Path) -> dict[str, Any]:
-    """Content of the lock of the run that makes a file; empty where there is no run."""
+def _lock_above(output: Path) -> dict[str, Any]:
+    """Return the content of the lock of the run that makes a file; empty where there is no run."""
     locks = (folder / _LOCK for folder in output.absolute().parents)
     return next((_read(path) for path in locks if path.is_file()), {})
 
 
 def sweep(folder: Path, orphans: Iterable[Path]) -> None:
-    """Remove what a killed run left from the folder of a study that this process has claimed."""
-    for left in (*folder.rglob(f".*{PARTIAL}"), *orphans):
-        left.unlink(missing_ok=True)
+    """Remove files of a killed run from the folder of a study that this process has claimed."""
+    for file in (*folder.rglob(f".*{PARTIAL}"), *orphans):
+        file.unlink(missing_ok=True)
 
 
 def _locked(name: str, path: Path) -> IO[str]:
-    """The file, open and locked; its last holder may have removed it between the two."""
+    """Return the lock's file, open and locked."""
     while True:
         file = path.open("a", encoding="utf-8")
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            with suppress(FileNotFoundError):
+            with suppress(FileNotFoundError):  # its last holder may have removed it in between
                 if os.path.samestat(os.fstat(file.fileno()), path.stat()):
                     return file
         except BlockingIOError:

@@ -1,8 +1,7 @@
 """Provenance of a result: hashes of sources, and versions of packages; a job refuses sources edited since its plan.
 
-Snakemake records the hash of the sources as its run begins. A job that imported what was edited since, and put back
-before the next run, would leave results of other sources under that hash, and the next run would find nothing to be
-done.
+Snakemake records the hash of the sources as its run begins. Results of sources that were edited since, and restored
+before the next run, would stay under that hash.
 """
 
 import hashlib
@@ -32,11 +31,7 @@ class ChangedError(RuntimeError):
 
 @cache
 def sources(module: Path) -> frozenset[Path]:
-    """Files of the rooms that a module uses, directly or not, itself included, and data files that these name.
-
-    ``from room import name`` leads to the module that defines the name, not to everything that the room's
-    ``__init__`` gathers.
-    """
+    """Return the files of the rooms that a module uses, directly or not, itself included, and data files they name."""
     files: set[Path] = set()
     waiting = [module]
     while waiting:
@@ -50,10 +45,9 @@ def sources(module: Path) -> frozenset[Path]:
 
 
 def code(*paths: str) -> str:
-    """Hash over the sources behind scripts (and over plain files, such as templates), relative to the project's root.
+    """Return a hash over the sources of scripts and over plain files, relative to the project's root.
 
-    Snakemake sees an edit in a script but not in a package that the script imports: this hash, as a parameter of the
-    rule, makes the edit rerun exactly what depends on it.
+    Snakemake does not see an edit in a module that a script imports: as a parameter of the rule, the hash does.
     """
     files: set[Path] = set()
     for path in paths:
@@ -65,18 +59,18 @@ def code(*paths: str) -> str:
 def _hash(files: list[Path]) -> str:
     digest = hashlib.sha256()
     for file in files:
-        digest.update(_told(file))
+        digest.update(_content(file))
     return digest.hexdigest()[:16]
 
 
 @cache
-def _told(file: Path) -> bytes:
-    """Name and content of a file: most are behind most rules, and read once."""
+def _content(file: Path) -> bytes:
+    """Return name and content of a file, which most rules hash."""
     return file.relative_to(ROOT).as_posix().encode() + b"\0" + file.read_bytes() + b"\0"
 
 
 def versions() -> dict[str, str]:
-    """Versions of Python and of the named packages."""
+    """Return the versions of Python and of `PACKAGES`."""
     return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
 
 
@@ -105,26 +99,22 @@ def _data(room: str) -> list[Path]:
 
 @cache
 def _named(path: Path) -> tuple[frozenset[Path], frozenset[Path]]:
-    """Modules and data files of the rooms that one module names, and what the templates among these name."""
+    """Return the modules and data files of the rooms that a module names, and data files that its templates name."""
     text, data_files = path.read_text(encoding="utf-8"), _data(path.relative_to(ROOT).parts[0])
     data = {file for file in data_files if file.name in text}
-    shown = "".join(file.read_text(encoding="utf-8") for file in data if file.suffix == ".j2")
-    return frozenset(_used(text)), frozenset(data | {file for file in data_files if file.name in shown})
-
-
-def _used(text: str) -> Iterator[Path]:
-    """Files of the rooms that a module's import statements lead to."""
-    for module, name in imports(text):
-        file = (_file(f"{module}.{name}") or _definition(module, name)) if module else _file(name)
-        if file:
-            yield file
+    templates = "".join(file.read_text(encoding="utf-8") for file in data if file.suffix == ".j2")
+    modules = {
+        (_file(f"{module}.{name}") or _definition(module, name)) if module else _file(name)
+        for module, name in imports(text)
+    }
+    return frozenset(filter(None, modules)), frozenset(data | {file for file in data_files if file.name in templates})
 
 
 _IMPORT = re.compile(r"^[ \t]*(?:from ([\w.]+) )?import (\([^)]*\)|.*)", re.MULTILINE)
 
 
 def imports(text: str) -> Iterator[tuple[str, str]]:
-    """Imported names of a module, ``(module, name)`` or ``("", module)``; read by lines, faster than parsing."""
+    """Yield imported names of a module, ``(module, name)`` or ``("", module)``; by lines, faster than parsing."""
     for module, names in _IMPORT.findall(text):
         for name in re.sub(r"#.*|[()]", "", names).split(","):
             if named := name.split():
@@ -133,7 +123,7 @@ def imports(text: str) -> Iterator[tuple[str, str]]:
 
 @cache
 def _file(name: str) -> Path | None:
-    """The file of a module of the rooms."""
+    """Return the file of a module of the rooms; None for other modules."""
     parts = name.split(".")
     if parts[0] not in ROOMS:
         return None
@@ -142,7 +132,7 @@ def _file(name: str) -> Path | None:
 
 
 def _definition(module: str, name: str) -> Path | None:
-    """The file that defines a name which a module of the rooms may only pass on."""
+    """Return the file that defines a name which a room's ``__init__`` may only pass on."""
     file = _file(module)
     if file is None or file.name != "__init__.py":
         return file
@@ -152,12 +142,12 @@ def _definition(module: str, name: str) -> Path | None:
 
 @cache
 def _gathered(file: Path) -> dict[str, str]:
-    """Names that a module imports from others, for good or for type checkers, and from where."""
+    """Return the modules from which a module imports names, by name; imports for type checkers included."""
     return {name: module for module, name in imports(file.read_text(encoding="utf-8")) if module}
 
 
 def digests(files: Iterable[Path] | None = None) -> dict[str, str]:
-    """Hash of every file of the rooms, or of some of them, by its path below the root; empty for one that is gone."""
+    """Return the hash of every file of the rooms, or of `files`, by path below the root; empty for a missing one."""
     wanted = [file for room in ROOMS for file in _room(room)] if files is None else files
     return {file.relative_to(ROOT).as_posix(): _digest(file) for file in wanted}
 
@@ -167,7 +157,7 @@ def _digest(file: Path) -> str:
 
 
 def used(script: str) -> set[Path]:
-    """A script, the modules of the rooms that this process has imported by now, and the data files beside these."""
+    """Return a script, the modules of the rooms that this process has imported, and data files beside them."""
     modules = [file for module in tuple(sys.modules.values()) if (file := getattr(module, "__file__", None))]
     files = [file.rpartition("/") for file in (script, *modules)]
     rooms = {ROOT / room for room in ROOMS}

@@ -1,8 +1,4 @@
-"""Categories of a study: composite, profile, material and the like, which take one of a few names.
-
-A Gaussian process over continuous factors knows no names. It learns every quantity of every combination of them as an
-output of its own, ``quantity[names]``: all of them share the factorial, and a query answers them at once.
-"""
+"""Categories of a study, which take one of a few names: a surrogate's outputs are ``quantity[names]``, one for each."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
@@ -11,39 +7,39 @@ import xarray as xr
 
 from workflow.language import titles
 
-#: The name that every category takes.
+#: Name of every category in one combination.
 Combination = dict[str, str]
 
 
 def combinations(categories: Mapping[str, Sequence[str]]) -> list[Combination]:
-    """Every combination of names; one without any where there are no categories."""
+    """Return every combination of names; one empty combination without categories."""
     return [dict(zip(categories, names, strict=True)) for names in product(*categories.values())]
 
 
 def named(combination: Mapping[str, str]) -> str:
-    """A combination in words."""
+    """Return the names of a combination between commas."""
     return ", ".join(combination.values())
 
 
 def output(quantity: str, combination: Mapping[str, str]) -> str:
-    """Name in the surrogate of a quantity of one combination."""
+    """Return the surrogate's name of a quantity of one combination."""
     return f"{quantity}[{named(combination)}]" if combination else quantity
 
 
 def parted(output: str) -> tuple[str, str]:
-    """The quantity and the names of a combination, of what `output` calls them; no names where there are none."""
+    """Return the quantity and the names of a combination, empty without any, from a surrogate's output."""
     quantity, _, names = output.removesuffix("]").partition("[")
     return quantity, names
 
 
 def titled(output: str) -> str:
-    """The same in words."""
+    """Return a surrogate's output in words."""
     quantity, names = parted(output)
     return titles.title(quantity) + (f": {names.replace('_', ' ')}" if names else "")
 
 
 def apart(data: xr.Dataset, categories: Mapping[str, Sequence[str]], quantities: Iterable[str]) -> xr.Dataset:
-    """Quantities without the categories' dimensions: each of every combination as a variable of its own."""
+    """Return quantities without the categories' dimensions: one variable for each quantity and combination."""
     if not categories:
         return data[list(quantities)]
     parts: dict[str, xr.DataArray] = {}

@@ -1,4 +1,4 @@
-"""The configuration of the pipeline, from every place where Snakemake takes one: it holds the key ``study`` alone."""
+"""The pipeline's configuration, which holds the key ``study`` alone, wherever Snakemake reads it from."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
@@ -17,7 +17,7 @@ _INSTEAD = (
 
 
 def study(config: Mapping[str, Any], entries: Iterable[str] | None) -> str:
-    """Study that a configuration names, the quickstart by default; InputError for any other content."""
+    """Return the study that a configuration names, the quickstart by default; InputError for any other content."""
     check_keys("config", config)
     # the arguments of --config as they were written: Snakemake lets the last of two equal keys win
     written = [entry for entry in entries or () if entry.partition("=")[0] == KEY]
@@ -67,7 +67,7 @@ def _content(file: Path) -> dict[str, Any]:
 
 
 def _profiles(arguments: Sequence[str]) -> Iterator[Path]:
-    """Return the profiles' files of a Snakemake command, that of SNAKEMAKE_PROFILE included."""
+    """Yield the profiles' files of a Snakemake command, that of SNAKEMAKE_PROFILE included."""
     from snakemake.cli import get_argument_parser, get_profile_dir, resolve_snakefile
 
     options, _ = get_argument_parser().parse_known_args(list(arguments))

@@ -127,14 +127,14 @@ def _check_tolerance(study: Contents, name: str, target: Target) -> None:
 
 
 def _lack(study: Contents, name: str) -> str:
-    """Why no case has a quantity or factor, where the body is why."""
+    """Return the reason for which no case has a quantity or factor; empty if the body is not the reason."""
     if name in _OF_FILMS and not study.kind.layered:
         return f"is a film's: a {study.kind.unbounded} has none"
     return f"is not one of surrogate.outputs{alternative}" if (alternative := _instead(study, name)) else ""
 
 
 def _instead(study: Contents, name: str) -> str:
-    """Name the quantities that cases have in place of one that bodies of their kind never have, or why heat is not."""
+    """Return the quantities that cases have in place of one that their kind of body lacks, or why heat is lacking."""
     kind = study.kind
     if name in HEAT_QUANTITIES:
         return "".join(f"; {line}" for line in study.defaults if line.startswith("heat: "))
@@ -142,12 +142,12 @@ def _instead(study: Contents, name: str) -> str:
         return ""
     if not kind.peaks:
         return f": no {kind.name} has a quantity of its inside"
-    alike = [peak for peak in kind.peaks if peak.endswith(name.removeprefix("film_").removeprefix("base_"))]
-    return f": a {kind.name} has {' and '.join(alike)}" if alike else ""
+    peaks = [peak for peak in kind.peaks if peak.endswith(name.removeprefix("film_").removeprefix("base_"))]
+    return f": a {kind.name} has {' and '.join(peaks)}" if peaks else ""
 
 
 def check_values(study: Contents, name: str, values: Sequence[float | str]) -> None:
-    """Raise ValueError unless the study has a factor or category, and values are among what it has of it."""
+    """Raise ValueError unless the study has a factor or category, and values lie in its range or among its names."""
     if name in study.categories:
         for value in values:
             if value not in study.categories[name]:

@@ -1,4 +1,4 @@
-"""Keys of a study's file, and everything derived from them: cases, quantities, outputs, materials and hashes."""
+"""Keys of a study's file, and what follows from them: cases, quantities, outputs, materials and hashes."""
 
 import hashlib
 import json
@@ -41,20 +41,19 @@ from workflow.study.types import BY_FACTOR, Case, CategoryName, FactorName, Stri
 
 #: Sections that decide what a case is and what the solver answers.
 PHYSICS = ("phases", "materials", "fixed", "factors", "categories", "body", "groups")
-#: The same without the numbers of levels, for `digest`.
+#: Name in `digest` for `PHYSICS` without the numbers of levels.
 BOX = "box"
 
 
 @dataclass(frozen=True)
 class Origin:
-    """Origin of a study, beside the content of its file."""
+    """What a study needs beside the content of its file."""
 
-    path: Path  # The file
-    materials: dict[str, Material]  # The study's own materials by name
-    # Quantities that some cases lack; None before the solver, which takes seconds for films, was asked for them
-    absent: frozenset[str] | None = None
-    hanging: frozenset[str] = frozenset()  # Quantities that depend on a datum which is in none of the groups
-    in_si: bool = False  # the content comes from a checked study, whose numbers are bare and in SI
+    path: Path
+    materials: dict[str, Material]  # the study's own materials by name
+    absent: frozenset[str] | None = None  # quantities that some cases lack; None: the solver has yet to say
+    hanging: frozenset[str] = frozenset()  # quantities that depend on a datum which is in none of the groups
+    in_si: bool = False  # whether the content comes from a checked study, whose numbers are bare and in SI
 
 
 class Contents(Strict):
@@ -103,7 +102,7 @@ class Contents(Strict):
 
     @property
     def path(self) -> Path:
-        """The file that the study was read from."""
+        """File that the study was read from."""
         return self._origin.path
 
     @property
@@ -113,32 +112,32 @@ class Contents(Strict):
 
     @property
     def defaults(self) -> tuple[str, ...]:
-        """Defaults that were chosen for the study, with the reason: a line each."""
+        """Defaults that were chosen for the study: a line with the reason for each."""
         return self._defaults
 
     def tell_default(self, line: str) -> None:
-        """Keep a line of `defaults`."""
+        """Add a line to `defaults`."""
         self._defaults = (*self._defaults, line)
 
     @property
     def absent(self) -> frozenset[str]:
-        """Names of the quantities that some cases lack; none before the solver was asked for them."""
+        """Names of the quantities that some cases lack; none before the solver was asked."""
         return self._absent
 
     @property
     def kind(self) -> Kind:
-        """The kind of body of its cases: what they can be asked for, and what that costs; in air where any case is."""
+        """Kind of body of the cases, which decides their quantities; in air where any case is."""
         factors = self.fixed if self.factors or self.effects is None else {**self.effects.baseline, **self.fixed}
         usual = factors.get("profile", CHOICES["profile"][0])
         profile = self.categories["profile"][0] if "profile" in self.categories else usual
-        beside = AIR if AIR in self.surroundings else self.surroundings[0]
+        surroundings = AIR if AIR in self.surroundings else self.surroundings[0]
         named = {*self.factors, *self.categories, *factors, *([BODY] if self.body else [])}
         varied = [name for factor in ("material", "base") for name in self.categories.get(factor, [])]
-        own = [self.own_materials.get(str(name), name) for name in [*solids(factors), *varied]]
-        return kind_of(named, profile, beside, [*own, self.body])
+        materials = [self.own_materials.get(str(name), name) for name in [*solids(factors), *varied]]
+        return kind_of(named, profile, surroundings, [*materials, self.body])
 
     def names(self, factor: str, default: str = "") -> list[str]:
-        """Names that a factor takes in the cases: its category's, or the one that is fixed, or its default."""
+        """Names that a factor takes in the cases: its category's, the fixed one or its default."""
         return self.categories.get(factor) or [str(self.fixed.get(factor, default))]
 
     @property
@@ -152,28 +151,26 @@ class Contents(Strict):
 
     @property
     def distributions(self) -> dict[str, Distribution]:
-        """Distributions of factors that design questions state, for each factor the first."""
+        """Distributions of factors by design questions; for each factor the first one."""
         stated = [target.uncertain for target in reversed(self.design.values())]
         return {name: distribution for part in stated for name, distribution in part.items()}
 
     @property
     def stores_fields(self) -> bool:
-        """Return True if the data set holds surface fields, which the page draws.
-
-        A cross approximation has no factorial to show them over. Fields of sliding points are left to the solver, which
-        takes milliseconds a case. Fields in air take as long as the contact: they are stored where positions are given.
-        """
-        positions_given = "positions" in self.dataset.model_fields_set
-        return not self.crossed and (positions_given or not self.kind.air) and not self.slides
+        """Return True if the data set holds surface fields, which the page draws."""
+        if self.crossed or self.slides:  # no factorial to show them over; the solver takes milliseconds a case
+            return False
+        # fields in air take as long as the contact
+        return not self.kind.air or "positions" in self.dataset.model_fields_set
 
     @property
     def slides(self) -> bool:
-        """Return True if its contacts are points that slide."""
+        """Return True if the contacts are points that slide."""
         return self.kind.contact == "point" and ("friction" in self.factors or bool(self.numbers["friction"]))
 
     @property
     def meeting(self) -> Meeting:
-        """Contact and amplifier of its cases, which decide the figures of a device; in air where all cases are."""
+        """Contact and amplifier of the cases, which decide a device's figures; in air if all cases are."""
         reads_charge = bool(self.device and self.device.amplifier and self.device.amplifier.feedback_capacitance)
         if set(self.surroundings) != {AIR}:
             return meeting_of(self.kind.contact, reads_charge=reads_charge)
@@ -187,7 +184,7 @@ class Contents(Strict):
 
     @property
     def tabled(self) -> list[str]:
-        """The axes for whose every value the solver makes tables of films."""
+        """Axes for each value of which the solver makes tables of films."""
         names = (*self.kind.tabled, *layered.tabled(self.body))
         return [name for name in self.factors if name in names]
 
@@ -205,7 +202,7 @@ class Contents(Strict):
 
     @property
     def numbers(self) -> dict[str, float]:
-        """Numeric factors that are fixed, and those with a default."""
+        """Values of numeric factors that are fixed or have a default."""
         usual = {name: factor.default for name, factor in FACTORS.items() if factor.default is not None}
         return usual | {name: value for name, value in self.fixed.items() if not isinstance(value, str)}
 
@@ -221,12 +218,12 @@ class Contents(Strict):
 
     @property
     def costly(self) -> frozenset[str]:
-        """Quantities of which a case costs milliseconds: searched for, read from its own tables, or in air."""
+        """Quantities of which a case costs milliseconds: searched for, from tables of its own, or in air."""
         return frozenset(ALL_QUANTITIES if self.tabled or self.kind.air else ALL_PEAKS)
 
     @property
     def searched(self) -> frozenset[str]:
-        """Largest stresses that the data set holds: none, all, or those that are named."""
+        """Names of the largest stresses in the data set."""
         peaks = self.dataset.peaks
         return frozenset(peaks if isinstance(peaks, list) else ALL_PEAKS if peaks else ())
 
@@ -253,19 +250,19 @@ class Contents(Strict):
 
     @property
     def final_files(self) -> list[str]:
-        """Files under ``results/<study>/`` that a run makes last."""
+        """Last files of a run, under ``results/<study>/``."""
         return ["report.html", "verdict.txt"] if self.verification else ["report.html"]
 
     @property
     def quantities(self) -> list[str]:
-        """Quantities of the data set: those that its cases have, the peaks where they are asked for."""
-        without = self.absent | (ALL_PEAKS.keys() - self.searched)
-        asked = ALL_QUANTITIES if self.asked is None else self.asked
-        return [n for n, quantity in ALL_QUANTITIES.items() if n in asked and n not in without and not quantity.sparse]
+        """Quantities of the data set: those of all its cases, and the peaks that are searched for."""
+        lacking = self.absent | (ALL_PEAKS.keys() - self.searched)
+        solved = ALL_QUANTITIES if self.asked is None else self.asked
+        return [n for n, quantity in ALL_QUANTITIES.items() if n in solved and n not in lacking and not quantity.sparse]
 
     @property
     def asked(self) -> list[str] | None:
-        """Quantities that the solver is asked for, None for all: in space those slopes alone that are learned."""
+        """Quantities to ask the solver for, None for all: in space only those slopes that are learned."""
         learned = self.surrogate.outputs
         if not (self.kind.space and learned):
             return None
@@ -273,39 +270,33 @@ class Contents(Strict):
 
     @property
     def outputs(self) -> list[str]:
-        """Quantities that the surrogate learns: those that the study names.
-
-        Else all but what designs take from others, and what a film's groups do not tell: see `added`.
-        """
-        left = (self._hanging - self.added) | {name for name in self.quantities if ALL_QUANTITIES[name].formula}
-        return self.surrogate.outputs or [name for name in self.quantities if name not in left]
+        """Quantities that the surrogate learns: those that the study names, or all that need to be learned."""
+        # designs compute formulas themselves, and a film's groups do not decide what hangs on the datum
+        left_out = (self._hanging - self.added) | {name for name in self.quantities if ALL_QUANTITIES[name].formula}
+        return self.surrogate.outputs or [name for name in self.quantities if name not in left_out]
 
     @property
     def added(self) -> frozenset[str]:
-        """Quantities to which the datum's logarithm is added exactly: the depth with groups, on a rigid punch."""
-        alone = self.kind.datum == "by_base" and not self.elastic
-        return frozenset({"depth"} if alone else set()) & self._hanging
+        """Quantities to which the datum's logarithm is added exactly: the depth with groups, under a rigid punch."""
+        added = {"depth"} if self.kind.datum == "by_base" and not self.elastic else set()
+        return self._hanging & added
 
     @property
     def regions(self) -> list[str]:
-        """Regions of whose curves the surrogate learns, for the largest stresses that follow from them.
-
-        None of a cross approximation, which has no largest stresses, nor under points, whose largest stresses are
-        learned as other quantities are.
-        """
-        if self.crossed or not self.surrogate.curves or not self.kind.regions:
+        """Regions with curves that the surrogate learns, for the largest stresses that follow from them."""
+        if self.crossed or not self.surrogate.curves or not self.kind.regions:  # points have no such regions
             return []
         followed = [FOLLOWS[name].region for name in self.outputs if name in FOLLOWS]
         return list(dict.fromkeys(followed))
 
     @property
     def output_names(self) -> list[str]:
-        """Names of the outputs in the surrogate: those of every combination of categories."""
+        """Names of the surrogate's outputs for every combination of categories."""
         return [output(name, combination) for combination in self.combinations for name in self.outputs]
 
     @property
     def titles(self) -> dict[str, str]:
-        """Title of every target: the study's, or what is asked for, with the target's name where several ask that."""
+        """Title of every target: the study's or its goals', with the target's name where several have one title."""
         words = {name: target.title or titles.wanted(target.objectives) for name, target in self.design.items()}
         several = Counter(words.values())
         return {
@@ -314,7 +305,7 @@ class Contents(Strict):
 
     @property
     def fixed_of_cases(self) -> dict[str, float | str]:
-        """Fixed factors of the cases that are solved: without those of heat where the surrogate learns none of it."""
+        """Fixed factors of the solved cases; without those of heat if the surrogate learns nothing of heat."""
         learned = self.surrogate.outputs
         heated = not learned or not HEAT_QUANTITIES.keys().isdisjoint(learned)
         return {name: value for name, value in self.fixed.items() if heated or name not in OF_HEAT}
@@ -322,26 +313,26 @@ class Contents(Strict):
     def solved(
         self, entrance: Callable[..., xr.Dataset], factors: Mapping[str, Any], *axes: Any, **options: Any
     ) -> xr.Dataset:
-        """Exact cases by an entrance of the solver: factors of this study's body, materials and phases."""
+        """Solve cases by an entrance of the solver, with this study's body, materials and phases."""
         options |= {"materials": self.own_materials, "phases": self.phases}
         if not self.body:
             return entrance(factors, *axes, **options)
         return layered.solved(self.body, entrance, factors, *axes, **options)
 
     def held(self, name: str) -> float | str | None:
-        """Value at which a factor is fixed, or a number of the top layer, or its default."""
+        """Return the fixed value of a factor, the top layer's number or the default."""
         top = self.body[0].numbers.get(name) if self.body else None
         return self.fixed.get(name, FACTORS[name].default if top is None else top)
 
     def allowable(self, name: str) -> Allowable:
-        """Allowable of the top material or the base, of a study whose body has no open category."""
+        """Return the allowable of the top material or the base, of a study whose body has no open category."""
         factors: dict[str, Any] = dict(self.fixed)
         if self.body:
             factors |= {key: value for key, value in self.body[0] if key in MADE_OF and isinstance(value, str | float)}
         return allowable(name, factors, self.own_materials, self.phases)
 
     def constant(self, name: str) -> float:
-        """One of ``CONSTANTS``, of a study whose body has no open category."""
+        """Return the value of one of ``CONSTANTS``, of a study whose body has no open category."""
         if name in ALLOWABLES:
             return self.allowable(name).value
         constants = self.device.constants if self.device else {}
@@ -351,24 +342,24 @@ class Contents(Strict):
         return constants[name]
 
     def narrowed(self, combination: Mapping[str, str]) -> Self:
-        """The study with some of its categories held at a name."""
+        """Return the study with some of its categories held at a name."""
         categories = {name: names for name, names in self.categories.items() if name not in combination}
         return self.model_copy(update={"fixed": {**self.fixed, **combination}, "categories": categories})
 
     def with_materials(self, materials: Mapping[str, Material]) -> Self:
-        """The study with other constants under the names of some materials; its quantities stay those that it has."""
+        """Return the study with other constants of some materials, and the same quantities."""
         copy = self.model_copy()
         copy._origin = replace(self._origin, materials={**self.own_materials, **materials})
         return copy
 
     def model_post_init(self, origin: Any, /) -> None:
-        """Take what stands beside the file, before anything is checked: the context of the validation."""
+        """Take the origin, which is the context of the validation, before anything is checked."""
         self._origin = origin or Origin(Path(), {})
         for target in self.design.values():
-            target.meets(self.meeting)
+            target.set_meeting(self.meeting)
 
     def chosen(self, target: Target) -> list[Self]:
-        """The study for every combination of categories among which a target may choose."""
+        """Return the study for every combination of categories among which a target may choose."""
         allowed = {
             name: (variable.choices or names) if (variable := target.variables.get(name)) else [target.at[name]]
             for name, names in self.categories.items()
@@ -380,24 +371,21 @@ class Contents(Strict):
         ]
 
     def digest(self, *sections: str) -> str:
-        """Hash of some sections, and of own materials where the physics is among them.
-
-        A part of a section, as ``validation.seed`` or ``design.sensor``, may stand in its place, and `BOX` in that of
-        the physics: all of it but the numbers of levels, which no case depends on that is drawn at random.
-        """
+        """Return a hash of sections or parts, as ``validation.seed``; of own materials too if the physics is in it."""
         names = {name for section in sections for name in (PHYSICS if section == BOX else (section,))}
         plain = self.model_dump(mode="json", include={name.partition(".")[0] for name in names})
         content: dict[str, Any] = {}
         for name in names:
             section, _, part = name.partition(".")
             content[name] = plain[section].get(part) if part else plain[section]
-        if BOX in sections:
+        if BOX in sections:  # random cases do not depend on the numbers of levels
             for axis in (*content["factors"].values(), *content["groups"].values()):
                 del axis["levels"]
-        for name in ("body", "groups"):  # which studies had before there were any
+        # keys of later releases leave the hashes of older studies as they are
+        for name in ("body", "groups"):
             if not content.get(name):
                 content.pop(name, None)
-        if self.surrogate.method == "factorial" and "surrogate" in content:  # the same
+        if self.surrogate.method == "factorial" and "surrogate" in content:
             content["surrogate"].pop("method")
         text = json.dumps(content, sort_keys=True)
         if {"phases", BOX} & set(sections):
@@ -406,11 +394,11 @@ class Contents(Strict):
 
     @property
     def physics(self) -> str:
-        """Hash of what decides what a case is and what the solver answers, by which a surrogate knows its study."""
+        """Hash of `PHYSICS`, by which a surrogate knows its study."""
         return self.digest(*PHYSICS)
 
     def frozen(self) -> dict[str, Any]:
-        """The study, its text and its own materials as plain data, from which `thawed` makes the same again."""
+        """Return the study, its text and its own materials as plain data, from which `thawed` restores the study."""
         return {
             "path": str(self.path),
             "text": self.path.read_text(encoding="utf-8") if self.path.is_file() else "",
@@ -421,5 +409,5 @@ class Contents(Strict):
         }
 
     def _plain_materials(self) -> dict[str, dict[str, Any]]:
-        """Every constant exactly: JSON gives a float the digits that tell it from its neighbours."""
+        """Return the constants of own materials; JSON keeps all digits of a float."""
         return {name: material.plain() for name, material in self.own_materials.items()}

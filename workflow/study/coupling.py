@@ -1,4 +1,4 @@
-"""Fields of a study's cases: those that a material couples to, or in which a punch has a charge."""
+"""Electric and magnetic fields that a study's cases feel, and the quantities and materials of these cases."""
 
 from collections.abc import Mapping, Sequence
 
@@ -20,9 +20,9 @@ _COUPLING: dict[Field, tuple[str, ...]] = {
 
 
 def fields(study: Contents) -> frozenset[Field]:
-    """The fields of a study's cases: those to which some material in use couples, or of which a punch has a charge."""
+    """Return the fields to which some material in use couples, or of which a punch has a charge."""
     coupled = {field for material in materials(study) for field in _COUPLING if _couples(material, field)}
-    values = _given(study)
+    values = _named_values(study)
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
         if charge in study.factors or any(value not in (0.0, None) for value in values.get(charge, [])):
             coupled.add(field)
@@ -34,14 +34,14 @@ def _couples(material: Material, field: Field) -> bool:
     return any(np.any(np.nan_to_num(getattr(material, name))) for name in _COUPLING[field])
 
 
-def told(study: Contents) -> list[str]:
-    """The surrogate's quantities that are of a field of the study, or of none, or that the study names itself."""
-    names = quantities(study)
+def felt_outputs(study: Contents) -> list[str]:
+    """Return the learned quantities among `felt_quantities`."""
+    names = felt_quantities(study)
     return [name for name in study.outputs if name in names]
 
 
-def quantities(study: Contents) -> frozenset[str]:
-    """The same of all quantities that there are."""
+def felt_quantities(study: Contents) -> frozenset[str]:
+    """Return the quantities that measure no other field than the study's, and those that the study names."""
     named = set(wanted(study) if study.design else ()) | set(study.surrogate.outputs)
     named |= {name for readout in study.readout.values() for name in readout.measured}
     coupled = fields(study)
@@ -51,13 +51,13 @@ def quantities(study: Contents) -> frozenset[str]:
 
 
 def outputs(study: Contents) -> list[str]:
-    """The same as the surrogate calls them, of every combination of the categories."""
-    names = told(study)
+    """Return `felt_outputs` by their names in the surrogate, for every combination of the categories."""
+    names = felt_outputs(study)
     return [output(name, combination) for combination in study.combinations for name in names]
 
 
 def wanted(study: Contents) -> list[str]:
-    """Learned quantities in the designs, or else all learned quantities."""
+    """Return the learned quantities in the designs, or else all learned quantities."""
     return _asked(study) or study.outputs
 
 
@@ -67,14 +67,14 @@ def _asked(study: Contents) -> list[str]:
 
 
 def of_interest(study: Contents) -> list[str]:
-    """The same as the surrogate calls it, of every combination of the categories."""
+    """Return `wanted` by the names in the surrogate, for every combination of the categories."""
     return [
         output(name, combination) for name in _asked(study) for combination in study.combinations
     ] or study.output_names
 
 
 def aims(study: Contents) -> list[str]:
-    """Quantities in the designs' goals, by their names in the surrogate; without designs its first two outputs."""
+    """Return the quantities in the designs' goals by their names in the surrogate, or else its first two outputs."""
     goals = [goal.expression for target in study.design.values() for goal in target.objectives]
     names = dict.fromkeys(name for goal in goals for name in goal.names())
     outputs = [name for name in names if name in study.outputs] or study.outputs[:2]
@@ -82,8 +82,8 @@ def aims(study: Contents) -> list[str]:
 
 
 def materials(study: Contents) -> list[Material]:
-    """Every material that some case of a study is made of, each once; of alloys the one without the added element."""
-    values = _given(study)
+    """Return the materials of a study's cases, each once; of an alloy the one without the added element."""
+    values = _named_values(study)
     names = [*values.get("material", []), *(layer.material for layer in study.body)]
     kinds = composites(study)
     phases = study.phases if any(kind in MIXTURES for kind in kinds) else []
@@ -93,16 +93,16 @@ def materials(study: Contents) -> list[Material]:
 
 
 def composites(study: Contents) -> list[str]:
-    """Arrangements of the phases, and alloys, that some case of a study is made of, with the default."""
-    names = [*_given(study).get("composite", []), *(layer.composite for layer in study.body if layer.composite)]
+    """Return the names of composites and alloys of a study's cases, the default included."""
+    names = [*_named_values(study).get("composite", []), *(layer.composite for layer in study.body if layer.composite)]
     baseline = study.effects.baseline if study.effects else {}
     if not names and not study.body and "material" not in {**study.fixed, **study.categories, **baseline}:
         names = [CHOICES["composite"][0]]
     return list(dict.fromkeys(map(str, names)))
 
 
-def _given(study: Contents) -> dict[str, list[float | str]]:
-    """Names and numbers that each factor or category takes, without the ranges of a factorial."""
+def _named_values(study: Contents) -> dict[str, list[float | str]]:
+    """Return the names and numbers of each factor or category, without the ranges of a factorial."""
     values: dict[str, list[float | str]] = {}
     parts: list[Mapping[str, float | str | Sequence[float | str]]] = [study.fixed, study.categories]
     if study.effects:

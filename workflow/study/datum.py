@@ -1,4 +1,4 @@
-"""The datum of a study: the arbitrary length of a half-plane's logarithmic potentials, and what depends on it."""
+"""The datum, the arbitrary length of a half-plane's logarithmic potentials, and the quantities that depend on it."""
 
 from collections.abc import Collection
 
@@ -16,26 +16,23 @@ _RELATIVE = " relative to the datum"
 
 
 def length(study: Contents) -> float | None:
-    """The datum of every case [m]; None where it is a factor."""
+    """Return the datum of every case [m]; None where it is a factor."""
     if "datum" in study.factors:
         return None
     return float(study.fixed.get("datum", FACTORS["datum"].default or 1.0))
 
 
 def inner(study: Contents, share: float = 0.5) -> dict[str, float]:
-    """A point of the box, at a share of every range on its scale."""
+    """Return a point of the box, at a share of every range on its scale."""
     axes = [Input(name, axis.low, axis.high, axis.scale) for name, axis in study.factors.items()]
     return {axis.name: float(axis.from_unit(2 * share - 1)) for axis in axes}
 
 
 def hanging(study: Contents) -> frozenset[str]:
-    """Names of the quantities that change with the datum in some cases of a study.
-
-    What does on a film depends on its base and interface: the solver says so, at a point where no charge is likely to
-    be 0, and for which a study that was checked has tables.
-    """
+    """Return the names of the quantities that change with the datum in some cases of a study."""
     if study.kind.datum != "by_base":
         return HANGING if study.kind.datum == "relative" else frozenset()
+    # on films the solver decides, at a point where no charge is likely to be 0 and whose tables the check has made
     case = inner(study, 0.7) | {name: study.factors[name].high for name in study.tabled}
     datum = (case.pop("datum", None) or length(study) or 1.0) * np.array([1.0, 10.0])
     fixed = {name: value for name, value in study.fixed.items() if name != "datum"}
@@ -50,6 +47,6 @@ def hanging(study: Contents) -> frozenset[str]:
 
 
 def meaning(name: str, hanging: Collection[str]) -> str:
-    """Meaning of a quantity, relative to the datum only where it depends on it."""
+    """Return the meaning of a quantity, relative to the datum only where it depends on the datum."""
     words = ALL_QUANTITIES[name].long_name
     return words if name in hanging else words.removesuffix(_RELATIVE)

@@ -1,7 +1,4 @@
-"""Defaults of a study: points rest, a device is pressed by steel, films and devices are in air.
-
-Each reads what the study's sections say alone: nothing is solved.
-"""
+"""Defaults of a study, without solving: points rest, a device is pressed by steel, films and devices are in air."""
 
 from solver.body import airless, kind_of
 from solver.names import AIR, ALL_PEAKS, ALL_QUANTITIES, BODY, CHOICES, LIMITED, OF_A_PUNCH, POINT_SLIDING, PROFILES
@@ -14,12 +11,12 @@ _FEEDBACK = ("feedback_capacitance", "feedback_resistance")
 _INSULATED = CHOICES["surroundings"][0]
 _PUNCH = "steel"
 _STRENGTHS = ("tensile_strength", "yield_strength", "depoling_stress")
-#: What a device is read by without and with air: a study that learns the former alone was written for the former.
+#: Capacitances by which a device is read without and with air: a study that learns the former alone is without air.
 _READ = {"capacitance_per_length": "capacitance_at_load", "capacitance": "capacitance_at_force"}
 
 
 def settle(study: Contents) -> None:
-    """Give a study all that it does not name; `Contents.defaults` tells of what presses and what is around."""
+    """Complete a study by its defaults; `Contents.defaults` reports punch and surroundings."""
     rest(study)
     press(study)
     surround(study)
@@ -47,7 +44,7 @@ def press(study: Contents) -> None:
     line = f"punch: {_PUNCH}, the default of a study with a device (fixed: {{punch: rigid}} for a rigid one)"
     try:
         hanging_on_datum(study)
-    except ValueError:  # what its groups do not tell of a punch that gives way
+    except ValueError:  # its groups do not decide its quantities under an elastic punch
         del study.fixed["punch"]
         line = f"punch: rigid, since its groups do not tell what one of {_PUNCH} makes of its surrogate.outputs"
     study.tell_default(line)
@@ -58,12 +55,12 @@ def surround(study: Contents) -> None:
     around = study.kind.layered or study.kind.space
     if "surroundings" in _named(study) or not (study.device or (study.factors and around)):
         return
-    _place(study, AIR)
+    _set_surroundings(study, AIR)
     line = "surroundings: air, the default of films and devices (fixed: {surroundings: insulated} leaves it out)"
     if study.kind.space:
         line = "surroundings: air, the default of contacts in space"
     elif lacking := _lacking(study):
-        _place(study, _INSULATED)
+        _set_surroundings(study, _INSULATED)
         line = f"surroundings: insulated, since {lacking}"
     study.tell_default(line)
 
@@ -86,7 +83,7 @@ def remark(study: Contents) -> None:
 
 
 def discharge(study: Contents) -> None:
-    """Give a study of the heat of a touch the feedback of its device, in which charge of it decays."""
+    """Fix the feedback of a device, in which charge decays, in a study of the heat of a touch."""
     amplifier = study.device.amplifier if study.device else None
     if amplifier is None or "touch_temperature" not in _named(study):
         return
@@ -102,31 +99,31 @@ def discharge(study: Contents) -> None:
 
 
 def _named(study: Contents) -> set[str]:
-    """Factors that a study names, with one value or several."""
+    """Return the factors that a study names, with one value or several."""
     return {*study.fixed, *study.categories, *study.factors}
 
 
 def _asked(study: Contents) -> list[str]:
-    """Names in targets, outputs and read-outs; ValueError for a target that is no expression."""
+    """Return the names in targets, outputs and read-outs; ValueError for a target that is no expression."""
     wanted = [name for target in study.design.values() for name in target.names()]
     measured = (name for readout in study.readout.values() for name in readout.measured)
     return [*wanted, *study.surrogate.outputs, *measured]
 
 
 def _lacking(study: Contents) -> str:
-    """Why a study, which is to be in air, cannot be; empty where it can."""
+    """Return the reason for which a study cannot be in air; empty where it can."""
     profiles = [PROFILES[name] for name in study.names("profile", CHOICES["profile"][0]) if name in PROFILES]
     if len({profile.contact for profile in profiles}) != 1:
         return "its punches are of more than one kind"
     factors: dict[str, object] = {**dict.fromkeys(study.factors), **study.fixed}
     reasons = (airless({**factors, **combination}) for combination in study.combinations)
-    return next(filter(None, reasons), "") or _asks_for_more(study)
+    return next(filter(None, reasons), "") or _lacking_in_air(study)
 
 
-def _asks_for_more(study: Contents) -> str:
-    """Name a quantity of the study that contacts in air do not have; empty where they have all."""
+def _lacking_in_air(study: Contents) -> str:
+    """Return what the study asks for that contacts in air lack; empty where they lack nothing."""
     profile = study.names("profile", CHOICES["profile"][0])[0]
-    has = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, profile, AIR)
+    in_air = kind_of({*study.factors, *study.fixed, *([BODY] if study.body else [])}, profile, AIR)
     try:
         wanted = _asked(study)
         if "positions" in study.dataset.model_fields_set or study.dataset.peaks:
@@ -138,14 +135,14 @@ def _asks_for_more(study: Contents) -> str:
     if study.device is not None:
         wanted += [_READ[name] for name in study.surrogate.outputs if name in _READ]
     for name in wanted:
-        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*has.quantities, *has.peaks}:
+        if name in {*ALL_QUANTITIES, *ALL_PEAKS} - {*in_air.quantities, *in_air.peaks}:
             return f"contacts in air have no {name}, which it asks for"
         if study.surrogate.outputs and name in ALL_QUANTITIES and name not in study.surrogate.outputs:
             return f"{name}, by which a device in air is read, is not one of surrogate.outputs"
     return ""
 
 
-def _place(study: Contents, name: str) -> None:
+def _set_surroundings(study: Contents, name: str) -> None:
     study.fixed["surroundings"] = name
     for target in study.design.values():
-        target.meets(study.meeting)
+        target.set_meeting(study.meeting)

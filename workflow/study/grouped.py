@@ -1,7 +1,7 @@
-"""Groups of a study: axes of its data set that are products of powers of its factors, and whether these tell all cases.
+"""Groups of a study: axes of its data set that are products of powers of its factors.
 
-Two cases with the same groups must be similar (`solver.similarity`): one is the other in another size, or more strongly
-pressed. Otherwise a surrogate over the groups would give one answer to two questions.
+Two cases with the same groups must be similar (`solver.similarity`): otherwise a surrogate over the groups would give
+one answer to two questions.
 """
 
 import re
@@ -33,12 +33,10 @@ _DECADE = 10.0  # a product that spans more than this is spread in its logarithm
 class Product:
     """A product of whole powers of factors."""
 
-    # Power of every factor in it; the first is the one that the cases of the data set vary for it
-    powers: Mapping[str, int]
-    name: str  # What the axis is called in files
-    # Its unit and how it is written
+    powers: Mapping[str, int]  # of every factor; the cases of the data set vary the first one
+    name: str  # of the axis in files
     units: str
-    text: str
+    text: str  # as the study has it
 
     @property
     def lone(self) -> bool:
@@ -48,7 +46,7 @@ class Product:
 
 @cache
 def product(text: str) -> Product:
-    """Read a product as ``load * radius / thickness^2``; ValueError, in one line, for what is none."""
+    """Read a product as ``load * radius / thickness^2``; ValueError, in one line, for any other text."""
     for name in re.findall(r"[^\W\d]\w*\b(?!\s*\()", text):
         if name not in FACTORS:
             raise ValueError(f"groups: {text!r}: {name!r} is no factor; {nearest(name, list(FACTORS))}")
@@ -75,16 +73,16 @@ def _powers(text: str, node: Expression) -> dict[str, int]:
     if isinstance(node, Operation) and node.symbol == "^" and isinstance(exponent := node.parts[1], Number):
         return {name: power * int(exponent.value) for name, power in _powers(text, node.parts[0]).items()}
     if isinstance(node, Operation) and node.symbol in ("*", "/"):
-        powers, others = (_powers(text, part) for part in node.parts)
+        powers, right = (_powers(text, part) for part in node.parts)
         sign = 1 if node.symbol == "*" else -1
-        for name, power in others.items():
+        for name, power in right.items():
             powers[name] = powers.get(name, 0) + sign * power
         return powers
     raise ValueError(f"{text!r}: only products and quotients of whole powers of factors make a group")
 
 
 def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> dict[str, Axis]:
-    """Axes of the data set by name, over the ranges that the box gives."""
+    """Return the axes of the data set by name, over their ranges in the box."""
     by_name: dict[str, Axis] = {}
     for text, group in groups.items():
         axis = product(text)
@@ -97,7 +95,7 @@ def axes(groups: Mapping[str, Group], factors: Mapping[str, Axis], fixed: Mappin
             low = high = np.inf
         if not (np.isfinite([low, high]).all() and low < high):
             raise ValueError(f"groups: {text}: is beyond the range of numbers")
-        scale = group.scale or _usual(axis, factors, low, high)
+        scale = group.scale or _usual_scale(axis, factors, low, high)
         shown = f"{low:g} to {high:g} [{axis.units}]"
         if (scale == "log" and low <= 0) or (scale == "logit" and not 0 < low < high < 1):
             needs = "> 0" if scale == "log" else "between 0 and 1"
@@ -118,34 +116,34 @@ def _check_names(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str,
 
 
 def _inputs(axis: Product, factors: Mapping[str, Axis], fixed: Mapping[str, float]) -> list[Input]:
-    room = 1e-12  # a fixed factor has no range
+    width = 1e-12  # of the range of a fixed factor, relative
     ends = {
-        name: (factors[name].low, factors[name].high) if name in factors else (fixed[name], fixed[name] * (1 + room))
+        name: (factors[name].low, factors[name].high) if name in factors else (fixed[name], fixed[name] * (1 + width))
         for name in axis.powers
     }
     return [Input(name, min(pair), max(pair)) for name, pair in ends.items()]
 
 
-def _usual(axis: Product, factors: Mapping[str, Axis], low: float, high: float) -> Scale:
-    """The scale of a group that says none: its factor's own, or a logarithm over more than a decade."""
+def _usual_scale(axis: Product, factors: Mapping[str, Axis], low: float, high: float) -> Scale:
+    """Return the default scale of a group: its factor's, or a logarithm over more than a decade."""
     if axis.lone:
         return factors[next(iter(axis.powers))].scale
     return "log" if low > 0 and high / low > _DECADE else "linear"
 
 
 def leads(products: Iterable[Product], factors: Mapping[str, Axis]) -> dict[str, str]:
-    """The factor that cases of the data set vary for each axis, by the axis: its first one that has a range."""
-    first_of: dict[str, str] = {}
+    """Return the factor that cases of the data set vary for each axis: the first one with a range."""
+    varied: dict[str, str] = {}
     for axis in products:
         first = next(name for name in axis.powers if name in factors)
-        if first in first_of.values():
+        if first in varied.values():
             raise ValueError(f"groups: {axis.text}: begins with {first!r} as another group does; begin with another")
-        first_of[axis.name] = first
-    return first_of
+        varied[axis.name] = first
+    return varied
 
 
 def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[str, Weight]) -> dict[str, float] | None:
-    """A change of the factors that no group sees, and that is no similarity; None where there is none."""
+    """Return a change of the factors that no group sees and that is no similarity; None where there is none."""
     A = np.array([[axis.powers.get(name, 0) for name in factors] for axis in products], dtype=np.float64)
     A = A.reshape(-1, len(factors))
     W = np.array([[weight.size, weight.strength] for weight in map(weight_of, factors)])
@@ -162,20 +160,19 @@ def unlike(products: Sequence[Product], factors: Sequence[str], fixed: Mapping[s
 
 def check_signs(products: Sequence[Product], factors: Mapping[str, Axis], fixed: Mapping[str, Weight]) -> None:
     """Raise ValueError, in one line, where cases with the same groups differ in a sign, or where a factor is 0."""
-    for flipped in _some(name for name, axis in factors.items() if axis.low < 0 < axis.high):
+    for flipped in _subsets([name for name, axis in factors.items() if axis.low < 0 < axis.high]):
         if not any(sum(axis.powers.get(name, 0) for name in flipped) % 2 for axis in products):
             raise ValueError(f"groups: the sign of {' and '.join(flipped)} is in no group; give an odd power of it")
-    for gone in _some(name for name, axis in factors.items() if axis.low <= 0 <= axis.high):
-        others = [axis for axis in products if not axis.powers.keys() & set(gone)]
-        if change := unlike(others, [name for name in factors if name not in gone], fixed):
-            hidden = ", ".join(axis.text for axis in products if axis not in others)
-            raise ValueError(f"{refusal(change)}; {' = '.join(gone)} = 0 is in the box, where {hidden} tells no more")
+    for zero in _subsets([name for name, axis in factors.items() if axis.low <= 0 <= axis.high]):
+        nonzero = [axis for axis in products if not axis.powers.keys() & set(zero)]
+        if change := unlike(nonzero, [name for name in factors if name not in zero], fixed):
+            hidden = ", ".join(axis.text for axis in products if axis not in nonzero)
+            raise ValueError(f"{refusal(change)}; {' = '.join(zero)} = 0 is in the box, where {hidden} tells no more")
 
 
-def _some(names: Iterable[str]) -> list[tuple[str, ...]]:
-    """Every choice of one or more of some names."""
-    known = list(names)
-    return [chosen for count in range(len(known)) for chosen in combinations(known, count + 1)]
+def _subsets(names: Sequence[str]) -> list[tuple[str, ...]]:
+    """Return every subset of one or more names."""
+    return [subset for size in range(1, len(names) + 1) for subset in combinations(names, size)]
 
 
 def refusal(change: Mapping[str, float]) -> str:

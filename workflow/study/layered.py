@@ -1,4 +1,4 @@
-"""A study's body of several layers, made into the solver's stacks for all values of the factors that it names."""
+"""A study's body of several layers, and the solver's stacks for values of the factors that it names."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, Self
@@ -15,7 +15,7 @@ from workflow.language import titles
 from workflow.language.factors import FACTORS, OF_A_LAYER, own_kind
 from workflow.study.types import CompositeName, Number, Strict
 
-#: Factors that say what is below the layers.
+#: Factors of the base below the layers.
 OF_THE_BASE = ("base", "base_modulus", "base_poisson")
 _BASES = ({OF_THE_BASE[0]}, set(OF_THE_BASE[1:]))
 #: Most layers of a body.
@@ -43,7 +43,7 @@ class BodyLayer(Strict):
 
     @property
     def numbers(self) -> dict[str, float | str]:
-        """The numbers that the layer is given, or names of factors in their place."""
+        """Numbers of the layer, or names of factors in their place."""
         numbers = {kind: getattr(self, kind) for kind in OF_A_LAYER}
         return {kind: value for kind, value in numbers.items() if value is not None}
 
@@ -69,16 +69,16 @@ class BodyLayer(Strict):
         return self
 
     def at(self, values: Mapping[str, Any]) -> dict[str, float]:
-        """The layer's numbers, with factors at values."""
+        """Return the layer's numbers at values of the factors."""
         return {kind: float(values[value] if isinstance(value, str) else value) for kind, value in self.numbers.items()}
 
     def plain(self, values: Mapping[str, Any]) -> dict[str, float | str]:
-        """The layer by the factors of a single film."""
+        """Return the layer as the factors of a single film."""
         kind = {"material": self.material} if self.material else {"composite": str(self.composite)}
         return {**kind, **self.at(values)}
 
     def compose(self, values: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Layer:
-        """The solver's layer, with factors at values."""
+        """Return the solver's layer at values of the factors."""
         numbers = self.at(values)
         if self.material is not None:
             material = find(self.material, materials)
@@ -90,7 +90,7 @@ class BodyLayer(Strict):
         return Layer(material, numbers["thickness"], self.below.electric, self.below.magnetic)
 
     def words(self) -> str:
-        """The layer in words."""
+        """Return the layer in words."""
         parts = {
             kind: value if isinstance(value, str) else titles.value(kind, value, 4)
             for kind, value in self.numbers.items()
@@ -105,28 +105,28 @@ Layers = list[BodyLayer]
 
 
 def named(layers: Layers) -> list[str]:
-    """Names of the factors that layers have in the place of numbers."""
+    """Return the names of factors in the place of the layers' numbers."""
     return list(
         dict.fromkeys(number for layer in layers for number in layer.numbers.values() if isinstance(number, str))
     )
 
 
 def tabled(layers: Layers) -> list[str]:
-    """Factors with solver tables for each value; only ratios of thicknesses need them, not a shared thickness."""
+    """Return the factors with solver tables for each value: ratios of thicknesses need them, a shared one does not."""
     shared = {layer.thickness for layer in layers}
     return [name for name in named(layers) if shared != {name}]
 
 
 def check(layers: Layers, fixed: Mapping[str, float | str], ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Raise ValueError unless every factor that is named is there, within bounds, and every own factor is named."""
+    """Raise ValueError unless every named factor is there, within bounds, and every own factor is named."""
     if len(layers) > _MOST_LAYERS:
         raise ValueError(f"body: {len(layers)} layers are more than {_MOST_LAYERS}")
     for number, layer in enumerate(layers):
         for kind, factor in layer.numbers.items():
             if not isinstance(factor, str):
                 continue
-            as_the_top = number > 0 and factor == kind == layers[0].numbers.get(kind)
-            if (factor == kind) != (number == 0) and not as_the_top:
+            shares_top = number > 0 and factor == kind == layers[0].numbers.get(kind)
+            if (factor == kind) != (number == 0) and not shares_top:
                 allowed = kind if number == 0 else f"<word>_{kind}"
                 raise ValueError(f"body.{number}: {kind}: {factor!r} must be {allowed}, or a number")
             if factor not in fixed and factor not in ranges:
@@ -154,7 +154,7 @@ def solved(
     phases: Sequence[str],
     **options: Any,
 ) -> xr.Dataset:
-    """Exact cases of a body, by an entrance of the solver (``solve``, ``solve_interior``)."""
+    """Solve cases of a body by an entrance of the solver (``solve``, ``solve_interior``)."""
     body_values = {name: _array(name, factors[name]) for name in factors if name in (*named(layers), *OF_THE_BASE)}
     if not any(body_values.keys() & set(OF_THE_BASE) == names for names in _BASES):
         named_base = ", ".join(name for name in OF_THE_BASE if name in body_values) or "base"
@@ -182,26 +182,26 @@ def solved(
 
 
 def stack(layers: Layers, values: dict[str, Any], materials: Mapping[str, Material], phases: Sequence[str]) -> Stack:
-    """The stack of one combination of factors."""
-    whole = []
+    """Return the stack of one combination of factors."""
+    solver_layers = []
     for number, layer in enumerate(layers):
         try:
-            whole.append(layer.compose(values, materials, phases))
+            solver_layers.append(layer.compose(values, materials, phases))
         except MaterialError as error:
             raise MaterialError(f"body.{number}: {error}") from None
     if "base" not in values:
-        return Stack(whole, Material.isotropic(values["base_modulus"], values["base_poisson"], name="base"))
+        return Stack(solver_layers, Material.isotropic(values["base_modulus"], values["base_poisson"], name="base"))
     if values["base"] == RIGID:
-        return Stack(whole, RIGID)
+        return Stack(solver_layers, RIGID)
     try:
         base = find(str(values["base"]), materials)
     except MaterialError as error:
         raise MaterialError(f"base: {str(error).removeprefix('material: ')} and {RIGID}") from None
-    return Stack(whole, base)
+    return Stack(solver_layers, base)
 
 
 def _array(name: str, value: Any) -> xr.DataArray:
-    """A factor's values with dimensions: its own where a list has none."""
+    """Return a factor's values with dimensions; a list lies along the factor itself."""
     if isinstance(value, xr.DataArray):
         return value.drop_vars(value.coords)
     values = np.asarray(value)

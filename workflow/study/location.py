@@ -1,8 +1,7 @@
 """Location of a study's file: ``config/<name>.yaml``, or any path.
 
-Results, logs and rules know a study by its name alone. A path that was given for it stands in the environment, which
-jobs inherit from the process that has read the Snakefile: there the path is the key ``study`` of Snakemake's config,
-which Snakemake hands on to other machines.
+Results, logs and rules know a study by its name alone. A path is kept in the environment, which jobs inherit from the
+process that reads the Snakefile; to other machines Snakemake passes the path as the key ``study`` of its config.
 """
 
 import json
@@ -24,11 +23,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,99}")  # it names folders, and i
 
 
 def given(text: str) -> str:
-    """The name of a study that is given by its name or by the path or the `address` of its file (``.yaml``, ``.yml``).
-
-    A name that ``config/`` here has not is that of a study which comes with the program. This process and those
-    that it starts find a path again under the name.
-    """
+    """Return the name of a study by name, path or `address`; child processes find the path again under the name."""
     path = Path(url2pathname(text.removeprefix(_ADDRESS))) if text.startswith(_ADDRESS) else Path(text)
     if path.suffix not in (".yaml", ".yml"):
         bundled = BUNDLED / f"{text}.yaml"
@@ -40,27 +35,27 @@ def given(text: str) -> str:
         raise InputError(f"{path}: {reason}; a study is given by its name in {FOLDER}/, or by the path of its file")
     check_name(path.stem, str(path))
     known = _paths()
-    whole = str(path.absolute())
-    if known.get(path.stem, whole) != whole:
+    absolute = str(path.absolute())
+    if known.get(path.stem, absolute) != absolute:
         raise InputError(f"{path}: another study named {path.stem!r} was given before: {known[path.stem]}")
-    os.environ[_GIVEN] = json.dumps({**known, path.stem: whole})
+    os.environ[_GIVEN] = json.dumps({**known, path.stem: absolute})
     return path.stem
 
 
 def beside(name: str, study: Path) -> str:
-    """A study that the file of another names: of ``config/`` here, beside that file, or one of the program."""
+    """Return the name of a study that another's file names: of ``config/``, beside that file, or of the program."""
     check_name(name, repr(name))
     sibling = study.parent / f"{name}.yaml"
     return given(str(sibling) if name not in files(FOLDER) and sibling.is_file() else name)
 
 
 def address(name: str) -> str:
-    """The file of a study as an address: plain letters in every shell's words and in YAML, whatever its path holds."""
+    """Return the file of a study as an address, whose letters need no quotes in any shell or in YAML."""
     return location(name).absolute().as_uri()
 
 
 def location(name: str) -> Path:
-    """The file of a study."""
+    """Return the file of a study."""
     if name in (paths := _paths()):
         return Path(paths[name])
     known = files(FOLDER)
@@ -75,17 +70,17 @@ def location(name: str) -> Path:
 
 
 def files(folder: Path) -> dict[str, Path]:
-    """Files of the studies of a folder by name."""
+    """Return the files of the studies in a folder, by name."""
     return {file.stem: file for file in sorted(folder.glob("*.yaml"))}
 
 
 def by_path(name: str) -> bool:
-    """Return True if a study was given by a path, or comes with the program: jobs need its path."""
+    """Return True if jobs need a study's path: it was given, or the study comes with the program."""
     return name in _paths()
 
 
 def of_results(folder: Path) -> Path:
-    """The file of the study that a folder ``results/<study>`` was made from."""
+    """Return the file of the study that a folder ``results/<study>`` was made from."""
     folder = folder.absolute()
     return _recorded(folder) or folder.parent.parent / FOLDER / f"{folder.name}.yaml"
 
@@ -98,7 +93,7 @@ def check_owner(name: str, folder: Path) -> None:
 
 
 def _recorded(folder: Path) -> Path | None:
-    """The file that results say they were made from; None where it is gone, or they do not say."""
+    """Return the study's file that results record; None where it is gone or not recorded."""
     try:
         record = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))["study"]
         path = Path(os.path.normpath(folder / record))
@@ -108,7 +103,7 @@ def _recorded(folder: Path) -> Path | None:
 
 
 def from_results(name: str, folder: Path) -> str:
-    """The path of a study's file as its results record it: relative to their folder."""
+    """Return the path of a study's file as its results record it, relative to their folder."""
     return os.path.relpath(location(name), folder)
 
 

@@ -1,4 +1,4 @@
-"""The study: one strict model of everything that a run can be asked for, checked and read from its file."""
+"""The study: one strict model of all that a run reads, checked and read from its file."""
 
 import re
 import sys
@@ -27,10 +27,10 @@ from workflow.study.solvable import (
     solve_effects,
 )
 
-#: Seconds after which a check says what it does.
+#: Seconds after which a check is announced.
 SILENCE = 3.0
 
-_last: dict[str, tuple[str, "Study"]] = {}  # by path, with what was checked: the command and the Snakefile ask alike
+_checked: dict[str, tuple[str, "Study"]] = {}  # by path, with the checked text: command and Snakefile load one study
 _LABEL = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 
@@ -38,7 +38,7 @@ class Study(Contents):
     """Everything that a run can be asked for; at least factors, effects, verification or measurements."""
 
     def model_post_init(self, origin: Any, /) -> None:
-        """Take what stands beside the file and what it has by default: rest, a device's punch, what is around."""
+        """Take the origin, and complete the study by its defaults."""
         super().model_post_init(origin)
         defaults.settle(self)
 
@@ -75,7 +75,7 @@ class Study(Contents):
 
 
 def pressed(study: Study) -> Study | None:
-    """The other study whose design a study's section ``signal`` presses; None where it presses its own, or none."""
+    """Return the other study whose design the section ``signal`` presses; None where it presses its own, or none."""
     if study.signal is None or not study.signal.study:
         return None
     try:
@@ -87,15 +87,15 @@ def pressed(study: Study) -> Study | None:
 
 
 def named(name: str) -> Study:
-    """The checked study of a name, wherever its file is; a check that takes seconds says so on standard error."""
-    with _told(f"checking {name}: solving the corners of its box and its effects"):
+    """Return the checked study of a name, wherever its file is; a check that takes seconds is announced."""
+    with _announced(f"checking {name}: solving the corners of its box and its effects"):
         return load(location(name))
 
 
 @contextmanager
-def _told(what: str) -> Iterator[None]:
-    """Say what is done, once it has taken longer than people wait in silence."""
-    timer = Timer(SILENCE, lambda: print(what, file=sys.stderr, flush=True))
+def _announced(message: str) -> Iterator[None]:
+    """Print a message on standard error if the work within takes longer than people wait in silence."""
+    timer = Timer(SILENCE, lambda: print(message, file=sys.stderr, flush=True))
     timer.daemon = True
     timer.start()
     try:
@@ -118,27 +118,27 @@ def load(path: str | Path) -> Study:
     known = names if isinstance(names, list) and all(isinstance(name, str) for name in names) else []
     materials = dict(read_material(path.parent / name) for name in known)
     text = repr((content, {name: material.plain() for name, material in materials.items()}))
-    if _last.get(str(path), ("",))[0] != text:
-        _last[str(path)] = text, _made(content, Origin(path, materials))
-    return _last[str(path)][1]
+    if _checked.get(str(path), ("",))[0] != text:
+        _checked[str(path)] = text, _validated(content, Origin(path, materials))
+    return _checked[str(path)][1]
 
 
 def thawed(frozen: Mapping[str, Any]) -> Study:
-    """The study as it was when it was `frozen`; no file is read."""
+    """Return a study from its `frozen` data, without reading a file."""
     materials = {name: Material.from_mapping(entries) for name, entries in frozen["materials"].items()}
-    return _made(
+    return _validated(
         frozen["study"],
         Origin(Path(frozen["path"]), materials, frozenset(frozen["absent"]), frozenset(frozen["hanging"]), in_si=True),
     )
 
 
 def remade(study: Study, **sections: Any) -> Study:
-    """A study with other sections, checked as one that is read from a file."""
+    """Return a study with other sections, checked as one that is read from a file."""
     origin = Origin(study.path, study.own_materials, in_si=True)
-    return _made(study.model_dump(mode="json") | sections, origin)
+    return _validated(study.model_dump(mode="json") | sections, origin)
 
 
-def _made(content: dict[str, Any], origin: Origin) -> Study:
+def _validated(content: dict[str, Any], origin: Origin) -> Study:
     try:
         return Study.model_validate(content, context=origin)
     except ValidationError as error:

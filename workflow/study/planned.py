@@ -1,7 +1,7 @@
-"""The study that a job was planned with: as it was when its run began, whatever has been edited since.
+"""The study that a job was planned with, as it was when its run began.
 
-Snakemake reads a study once and records its digests. A job that read an edited file would file the answers to the new
-study under the digest of the old one, and the next run would find nothing to be done.
+Snakemake records a study's digests when it plans a run. A job that read an edited file would file its answers under the
+old digest, and the next run would find nothing to do.
 """
 
 from collections.abc import Mapping
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 
 def parameter(study: Study, *sections: str) -> str:
-    """A parameter of a rule that changes when sections of the study change."""
+    """Return a rule's parameter that changes when sections of the study change."""
     names = sections or tuple(Study.model_fields)
     return f"{' '.join(names)}: {study.digest(*names)}"
 
 
 def start(script: Mapping[str, Any]) -> tuple["Snakemake", Study]:
-    """Snakemake's job of a script from its ``globals()``, its log begun, and the study that it was planned with."""
+    """Begin the log of a script's job; return the job, from the script's ``globals()``, and its study."""
     from workflow.run import joblog  # for jobs, not for the Snakefile
 
     job = joblog.start(script)
@@ -33,7 +33,7 @@ def start(script: Mapping[str, Any]) -> tuple["Snakemake", Study]:
 
 
 def study(job: "Snakemake") -> Study:
-    """The study of a job, whose rule has it as wildcard ``study`` and its `parameter` as ``study``."""
+    """Return the study of a job, whose rule has the wildcard ``study``, and its `parameter` as ``study``."""
     name, (sections, _, digest) = job.wildcards.study, job.params.study.partition(": ")
     current = begun(name, lock.results(name, Path(job.output[0])))
     if current is None or current.digest(*sections.split()) != digest:
@@ -44,13 +44,13 @@ def study(job: "Snakemake") -> Study:
 
 
 def pressed(job: "Snakemake", study: Study) -> Study:
-    """The study whose design is pressed in a study's section ``signal``: itself, or another as it was planned with."""
+    """Return the study whose design the section ``signal`` presses: the job's own, or another as it was planned."""
     assert study.signal is not None
     results = lock.results(job.wildcards.study, Path(job.output[0]))
     return (study.signal.study and begun(study.signal.study, results)) or studies.pressed(study) or study
 
 
 def begun(name: str, results: str | Path) -> Study | None:
-    """The study as it was when its run began; None where there is no run."""
+    """Return the study as it was when its run began; None where there is no run."""
     frozen = lock.begun(name, results)
     return None if frozen is None else studies.thawed(frozen)

@@ -1,4 +1,4 @@
-"""Reader of YAML files (safe, with YAML 1.2 numbers, no key twice) and numbers; a study's first error in one line."""
+"""Readers of YAML files (safe, YAML 1.2 numbers, no key twice) and of numbers; a study's first error in one line."""
 
 import re
 import unicodedata
@@ -19,14 +19,11 @@ if TYPE_CHECKING:
     from solver import Material
 
 _LARGEST = 1 << 20  # bytes; a study or a material is a few kB
-_DEEPEST = (
-    40  # brackets or indents within each other; a study needs five, and the reader's time grows with their square
-)
-
+_DEEPEST = 40  # nested brackets or indents; a study needs five, and the reader's time grows with their square
 _MOST_DIGITS = 40  # of an integer; a number of thousands of digits is no input, and breaks what formats it
 _INTEGER = re.compile(r"[-+]?(?:0|[1-9][0-9]*)")
 _FLOAT = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)")
-# what a file's name, a figure and a file's attribute bear: no $, which begins a formula in figures
+# letters for names of files, figures and attributes: no $, which begins a formula in figures
 _MATERIAL_NAME = re.compile(r"[\w(][\w ()+.,:/%-]{0,59}")
 #: Keys of former releases: section and name.
 _REMOVED = {
@@ -54,7 +51,7 @@ def located(where: object, refusal: type[Exception] | tuple[type[Exception], ...
 
 
 def one_line(message: str) -> str:
-    """A message as one line of at most 1000 characters; what came from a hostile file cannot command the terminal."""
+    """Return a message as one line of at most 1000 characters, without characters that command a terminal."""
     shown = "".join(
         letter if letter.isprintable() else letter.encode("unicode_escape").decode("ascii") for letter in message
     )
@@ -62,11 +59,11 @@ def one_line(message: str) -> str:
 
 
 def number(text: str) -> float:
-    """A decimal number, typed or printed, inf or nan; ValueError for any other text, as 1_000 or Arabic digits."""
-    read = plain(text)
-    if not read.strip().isascii() or "_" in read:
+    """Read a decimal number, inf or nan; ValueError for any other text, as 1_000 or Arabic digits."""
+    ascii_text = plain(text)
+    if not ascii_text.strip().isascii() or "_" in ascii_text:
         raise ValueError(f"{text!r} is not a number")
-    return float(read)
+    return float(ascii_text)
 
 
 class _Loader(yaml.SafeLoader):
@@ -100,7 +97,7 @@ class _Loader(yaml.SafeLoader):
         return super().compose_node(parent, index)
 
     def decimal(self, node: yaml.ScalarNode) -> int | float:
-        """A number as people read it: YAML 1.1 takes 010 for 8, 1:30 for 90, 0b11 for 3 and 1_0 for 10."""
+        """Read a decimal number: YAML 1.1 takes 010 for 8, 1:30 for 90, 0b11 for 3 and 1_0 for 10."""
         text = node.value
         if _INTEGER.fullmatch(text):
             if len(text) > _MOST_DIGITS:
@@ -113,7 +110,7 @@ class _Loader(yaml.SafeLoader):
         return super().construct_yaml_float(node)
 
     def text(self, node: yaml.ScalarNode) -> str:
-        """A text that every later file can hold: not half of a surrogate pair, nor what commands a terminal."""
+        """Read a text; refuse halves of surrogate pairs, and characters that command a terminal."""
         text = super().construct_yaml_str(node)
         bad = next(
             (letter for letter in text if unicodedata.category(letter) in ("Cs", "Cc") and letter not in "\n\t"), None
@@ -131,7 +128,7 @@ _Loader.add_constructor("tag:yaml.org,2002:str", _Loader.text)
 
 
 def read_yaml(path: Path) -> dict[str, Any]:
-    """The mapping in a YAML file."""
+    """Return the mapping in a YAML file."""
     try:
         with regular(path).open("rb") as file:
             raw = file.read(_LARGEST + 1)
@@ -178,11 +175,11 @@ def read_material(path: Path) -> "tuple[str, Material]":
 
 
 def first_problem(error: "ValidationError", model: "type[BaseModel]", content: Mapping[str, Any]) -> str:
-    """The first finding of pydantic as ``key: value: what is allowed``."""
+    """Return the first finding of pydantic as ``key: value: what is allowed``."""
     findings = error.errors()
-    # an unknown key is named before what is missing for it
+    # an unknown key comes before the key that is missing for it
     finding = next((finding for finding in findings if finding["type"] == "extra_forbidden"), None)
-    # of a list or a mapping, what is wrong within it says more than that it is not the other
+    # a fault within a list or a mapping says more than the branch of a union that it does not fit
     finding = finding or next((finding for finding in findings if finding["type"] not in _NOT_OF_TYPE), findings[0])
     place = _written(finding["loc"], content)
     where = ".".join(place)
@@ -201,7 +198,7 @@ def first_problem(error: "ValidationError", model: "type[BaseModel]", content: M
 
 
 def _written(loc: tuple[int | str, ...], content: Any) -> list[str]:
-    """The part of a location that stands in the file: pydantic adds the branches of its unions."""
+    """Return the part of a location that is in the file: pydantic adds the branches of its unions."""
     place: list[str] = []
     for part in loc:
         try:
@@ -213,7 +210,7 @@ def _written(loc: tuple[int | str, ...], content: Any) -> list[str]:
 
 
 def _keys_at(model: "type[BaseModel]", place: list[str]) -> list[str]:
-    """Names of the fields that a model allows at a place in the file, whichever branch of a union it is in."""
+    """Return the names of fields that a model allows at a place in the file, in any branch of a union."""
     models = [model]
     for part in place:  # the name of a field, or of an entry of a mapping or list
         fields = [(known, known.model_fields.get(part)) for known in models]
@@ -222,7 +219,7 @@ def _keys_at(model: "type[BaseModel]", place: list[str]) -> list[str]:
 
 
 def models_in(annotation: Any) -> "list[type[BaseModel]]":
-    """Models that an annotation is, holds as the entries of a mapping or list, or may be."""
+    """Return the models in an annotation: itself, entries of a mapping or list, or members of a union."""
     if isinstance(annotation, type) and hasattr(annotation, "model_fields"):
         return [annotation]
     return [model for part in get_args(annotation) for model in models_in(part)]

@@ -1,4 +1,4 @@
-"""The stored cases of a study with groups: for each place in its axes the one case that stands for all similar ones."""
+"""The stored cases of a study with groups: one case represents all similar ones at a place in the axes."""
 
 from collections.abc import Mapping
 from itertools import product
@@ -14,19 +14,20 @@ from workflow.study.datum import inner
 
 
 def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[str, xr.DataArray | float]:
-    """Factors of cases over a study's group axes: an axis varies its first factor, others stay in the middle."""
+    """Return the factors of cases over a study's group axes; an axis varies its first factor, others stay fixed."""
     leads = grouped.leads(study.products.values(), study.factors)
     values: dict[str, Any] = {name: value for name, value in inner(study).items() if name not in leads.values()}
     values |= {name: value for name, value in study.numbers.items() if name not in study.factors}
     waiting = list(study.products)
     while waiting:
-        ready = [name for name in waiting if all(other in values for other in _others(study, leads, name))]
+        ready = [name for name in waiting if all(other in values for other in _trailing(study, leads, name))]
         if not ready:
             raise ValueError(f"groups: {', '.join(waiting)}: each needs a factor that another varies")
         for name in ready:
             powers = study.products[name].powers
-            remainder = _over(name, axes[name])
-            for factor in _others(study, leads, name):
+            axis = axes[name]
+            remainder = axis if isinstance(axis, xr.DataArray) else xr.DataArray(np.asarray(axis), dims=name)
+            for factor in _trailing(study, leads, name):
                 remainder = remainder / values[factor] ** powers[factor]
             values[leads[name]] = _root(remainder, powers[leads[name]])
             waiting.remove(name)
@@ -34,7 +35,7 @@ def factors(study: Contents, axes: Mapping[str, Array | xr.DataArray]) -> dict[s
 
 
 def ends(study: Contents) -> dict[str, Any]:
-    """Factors of the cases in the corners of a study's axes, with those that need tables all low, or all high."""
+    """Return the factors of cases in the corners of the axes, with those that need tables all low, or all high."""
     return factors(
         study,
         {
@@ -45,7 +46,7 @@ def ends(study: Contents) -> dict[str, Any]:
 
 
 def corners(study: Contents) -> dict[str, Any]:
-    """Factors of a case in each corner of a study's axes, those that need tables low in every other one, else high."""
+    """Return the factors of a case in each corner of the axes, with those that need tables low in every other one."""
     untabled = [name for name in study.axes if name not in study.tabled]
     high = np.array(list(product((False, True), repeat=len(untabled))))
     ends = dict(zip(untabled, high.T, strict=True)) | dict.fromkeys(study.tabled, high.sum(1) % 2 == 1)
@@ -58,17 +59,13 @@ def corners(study: Contents) -> dict[str, Any]:
     )
 
 
-def _others(study: Contents, leads: Mapping[str, str], axis: str) -> list[str]:
-    """The factors of a product but its first, in its order: divided by one after the other, the order decides bits."""
+def _trailing(study: Contents, leads: Mapping[str, str], axis: str) -> list[str]:
+    """Return the factors of a product but the varied one; the order in which they divide decides the last bits."""
     return [name for name in study.products[axis].powers if name != leads[axis]]
 
 
-def _over(name: str, values: Array | xr.DataArray) -> xr.DataArray:
-    return values if isinstance(values, xr.DataArray) else xr.DataArray(np.asarray(values), dims=name)
-
-
 def _root(values: xr.DataArray, degree: int) -> xr.DataArray:
-    """A root with the sign of the values: a group tells the sign of its first factor (`grouped.check_signs`)."""
+    """Return a root with the sign of the values, since a group has its first factor's sign (`grouped.check_signs`)."""
     if degree == 1:
         return values
     return values.copy(data=np.sign(values.values) * np.abs(values.values) ** (1 / degree))

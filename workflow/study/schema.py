@@ -1,4 +1,4 @@
-"""The study's JSON schema and documented default, both written from the model: ``python -m workflow.study.schema``."""
+"""The study's JSON schema and documented default; ``python -m workflow.study.schema`` writes both from the model."""
 
 import json
 from collections.abc import Iterator
@@ -18,12 +18,12 @@ DEFAULT = Path("config/schema/default.yaml")
 
 
 def schema_text() -> str:
-    """JSON schema of a study."""
+    """Return the JSON schema of a study."""
     return json.dumps(Study.model_json_schema(), indent=2) + "\n"
 
 
 def default_text() -> str:
-    """Every key of a study with its meaning and default, as YAML."""
+    """Return every key of a study with its meaning and default, as YAML."""
     head = (
         "# Every key of a study with its meaning and default. Written from the model by `make schema`; do not edit.\n"
     )

@@ -47,9 +47,9 @@ MOST_LEARNED = 20_000_000
 _MOST_CURVES, _MOST_POINTS, _MOST_GRID = 200, 200_000, 250_000
 #: Groups of checks in verification/, in the order of the page.
 CHECK_GROUPS = ("limits", "integral_equations", "films", "film_elements", "film_air", "points", "digits")
-#: Those with convergence curves.
+#: Groups with convergence curves.
 CONVERGING = ("integral_equations", "films", "film_elements", "film_air", "points")
-#: What the model can be asked for; ``workflow.measured.comparison`` has a function of each.
+#: Quantities of the model to compare with measurements; ``workflow.measured.comparison`` has a function for each.
 ModelQuantity = Literal[
     "charge_per_force", "clamped_d33", "free_d33", "indentation_exponent", "response_under_load",
     "stiffness_under_charge", "layer_factor", "pad_stroke_per_volt",
@@ -100,15 +100,15 @@ class Positions(Strict):
 
     @property
     def count(self) -> int:
-        """Number of the positions."""
+        """Number of positions."""
         return self.inside + 2 * (self.outside // 2)
 
     def values(self) -> Vector:
-        """The positions, ascending; none is -1 or 1."""
-        within = -np.cos(np.pi * (np.arange(self.inside) + 0.5) / self.inside)
+        """Return the positions X, ascending, (position,); none is -1 or 1."""
+        inside = -np.cos(np.pi * (np.arange(self.inside) + 0.5) / self.inside)
         side = self.outside // 2
-        beyond = 1 + (self.reach - 1) * (np.arange(1, side + 1) / max(side, 1)) ** 2
-        return np.concatenate([-beyond[::-1], within, beyond])
+        outside = 1 + (self.reach - 1) * (np.arange(1, side + 1) / max(side, 1)) ** 2
+        return np.concatenate([-outside[::-1], inside, outside])
 
 
 class DataSet(Strict):
@@ -188,7 +188,7 @@ class Interior(Strict):
         return self
 
     def grid(self) -> tuple[Vector, Vector]:
-        """(x - c)/h and y/h < 0."""
+        """Return (x - c)/h and y/h < 0, (x,) and (y,)."""
         down = (np.arange(1, self.down + 1) / self.down) ** 1.5
         return np.linspace(-self.reach, self.reach, self.across), -self.depth * down
 
@@ -232,7 +232,7 @@ class Effects(Strict):
         return [name for name in self.vary if name in self.baseline]
 
     def case(self, factor: str) -> dict[str, Any]:
-        """Factors of one effect: a material and a composite replace each other, and a profile takes what is its own."""
+        """Return the factors of one effect; a material replaces a composite, and a profile leaves factors of others."""
         film = self.film if factor in OF_A_FILM else {}
         around = {"surroundings": CHOICES["surroundings"][0]} if film else {}  # as beside the half-plane
         case: dict[str, Any] = {**around, **self.baseline, **film, factor: self.vary[factor]}
@@ -253,7 +253,7 @@ class Effects(Strict):
         return {name: value for name, value in case.items() if name not in others | of_others}
 
     def half_plane(self, factor: str) -> dict[str, Any] | None:
-        """Factors of the half-plane that is shown beside the effect of a film's factor."""
+        """Return the factors of the half-plane beside the effect of a film's factor; None where there is none."""
         if not self.film or factor not in OF_A_FILM:
             return None
         return {name: value for name, value in self.case(factor).items() if name not in OF_A_FILM}
@@ -302,23 +302,24 @@ class Readout(Strict):
 
 
 def error(quantity: str, text: str) -> tuple[float, float]:
-    """Standard deviation of a measurement: its absolute part in SI, and its share of the value."""
+    """Return a measurement's standard deviation: its absolute part in SI, and its share of the value."""
     with located(f"measured: {quantity}"):
         return size(quantity, text)
 
 
-def _above_zero(*, itself: bool) -> AfterValidator:
+def _bounded_below(*, zero_allowed: bool) -> AfterValidator:
     def check(written: float | str, info: ValidationInfo) -> float | str:
         value = number(name := str(info.field_name), written)
-        if not (value >= 0 if itself else value > 0):
-            raise ValueError(f"{value:g} is not a finite number {'>=' if itself else '>'} 0 [{DEVICE[name].units}]")
+        if not (value >= 0 if zero_allowed else value > 0):
+            sign = ">=" if zero_allowed else ">"
+            raise ValueError(f"{value:g} is not a finite number {sign} 0 [{DEVICE[name].units}]")
         return written
 
     return AfterValidator(check)
 
 
-Positive = Annotated[Number | str, _above_zero(itself=False)]
-NotNegative = Annotated[Number | str, _above_zero(itself=True)]
+Positive = Annotated[Number | str, _bounded_below(zero_allowed=False)]
+NotNegative = Annotated[Number | str, _bounded_below(zero_allowed=True)]
 
 
 class Amplifier(Strict):
@@ -373,7 +374,7 @@ class Device(Strict):
 
     @property
     def constants(self) -> dict[str, float]:
-        """Every number that is given, by its name in designs, in SI."""
+        """Numbers of the device in SI, by their names in designs."""
         written = {**dict(self), **dict(self.amplifier or {})}
         numbers = {name: number(name, written[name]) for name in DEVICE if written.get(name) is not None}
         energy, feedback = BOLTZMANN * numbers["temperature"], numbers.get("feedback_capacitance", 0.0)
@@ -381,7 +382,7 @@ class Device(Strict):
         return numbers | {"thermal_energy": 0.0 if feedback else energy, "feedback_heat": (energy * feedback) ** 0.5}
 
 
-def _read(name: str, units: str) -> BeforeValidator:
+def _positive(name: str, units: str) -> BeforeValidator:
     def positive(value: object, info: ValidationInfo) -> object:
         if isinstance(value, str | int | float) and not isinstance(value, bool):
             value = number(name, value, units, info.context)
@@ -397,11 +398,11 @@ class Pressing(Strict):
 
     study: str = Field("", description="name of the study whose design it is, which stands first; empty: this study")
     design: str = Field(description="the design target whose punch it is")
-    force: Annotated[Number, _read("force", "N")] = Field(description="that is held [N]")
-    press: Annotated[Number, _read("press", "s")] = Field(
+    force: Annotated[Number, _positive("force", "N")] = Field(description="that is held [N]")
+    press: Annotated[Number, _positive("press", "s")] = Field(
         0.1, description="how long pressing takes, and letting go [s]"
     )
-    hold: Annotated[Number, _read("hold", "s")] = Field(10.0, description="how long the force is held [s]")
+    hold: Annotated[Number, _positive("hold", "s")] = Field(10.0, description="how long the force is held [s]")
 
 
 class ModelValue(Strict):

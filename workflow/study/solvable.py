@@ -1,4 +1,4 @@
-"""Checks that the solver can answer a study, and the quantities that its cases lack or share with the datum."""
+"""Checks that the solver can answer a study; quantities that its cases lack, or that hang on the datum."""
 
 from collections.abc import Mapping, Sequence
 from math import prod
@@ -12,17 +12,17 @@ from solver import solve
 from solver.names import ALL_QUANTITIES, PROFILES
 from solver.similarity import Weight, weight_of
 from workflow.language.factors import FACTORS
-from workflow.language.given import DESTROYED
+from workflow.language.given import DESTRUCTIVE_PRESSURE
 from workflow.study import datum, grouped, representatives
 from workflow.study.contents import Contents
 from workflow.study.reading import located
 from workflow.study.sections import MOST_CASES, MOST_CORNERS, MOST_LEARNED, MOST_VALUES
 
-_SLOW = 20.0  # seconds of the processor from which on a case is told before the run starts
+_SLOW = 20.0  # seconds of the processor for a case, from which on they are reported before a run starts
 
 
 def check_contact(study: Contents) -> None:
-    """Raise ValueError unless all cases have one kind of contact, for which the device is made."""
+    """Raise ValueError unless all cases have one kind of contact, which suits the device."""
     profiles = study.names("profile")
     if study.design and "map" in profiles:
         raise ValueError("profile: map: designs draw no height map; must be another profile, or effects")
@@ -58,7 +58,7 @@ def check_groups(study: Contents) -> None:
 
 
 def _check_lone(products: Sequence[grouped.Product]) -> None:
-    """A factor that is a group of its own tells no more in another, where it would be an axis twice."""
+    """Raise ValueError for a factor that is a group of its own and in another, where it would be an axis twice."""
     alone = {name for product in products if product.lone for name in product.powers}
     for other in products:
         for name in () if other.lone else alone & other.powers.keys():
@@ -76,7 +76,7 @@ def _check_cases(study: Contents) -> None:
 
 
 def _standing(study: Contents) -> dict[str, Weight]:
-    """Weights of what does not vary and is not 0: similar cases must leave it alone; without the datum."""
+    """Return the weights of constant numbers but 0 and the datum, which similar cases must share."""
     fixed = {name: value for name, value in study.fixed_of_cases.items() if not isinstance(value, str) and value}
     layers = {
         f"{kind} {number}": weight_of(kind)
@@ -85,24 +85,19 @@ def _standing(study: Contents) -> dict[str, Weight]:
         if not isinstance(value, str)
     }
     weights = {name: weight_of(name) for name in fixed if name != "datum"} | layers
-    if study.kind.air:  # the gap is as wide as the contact is strongly pressed, and the vacuum's constants stay
+    if study.kind.air:  # the gap scales as the deformation, and the vacuum's constants stay
         weights["gap_permittivity"] = Weight(0.0, 1.0)
     return {name: weight for name, weight in weights.items() if weight != Weight()}
 
 
 def hanging_on_datum(study: Contents) -> frozenset[str]:
-    """Quantities that depend on a datum that is in none of the groups; ValueError where they are asked for.
-
-    The depth on a film may be asked for: its logarithm of the datum has one coefficient for each base.
-    """
+    """Return the quantities that hang on a datum or a radius in none of the groups; ValueError if they are wanted."""
     return _on_datum(study) | _on_punch(study)
 
 
 def _on_punch(study: Contents) -> frozenset[str]:
-    """Quantities that depend on an elastic punch's rest radius, which groups follow only for equal strength."""
-    if not study.groups or not study.elastic:
-        return frozenset()
-    if _tells(study, {"strength": Weight(0.0, 1.0)}):
+    """Return the quantities that hang on an elastic punch's rest radius, where groups do not fix the strength."""
+    if not study.groups or not study.elastic or _decided_by_groups(study, {"strength": Weight(0.0, 1.0)}):
         return frozenset()
     hanging = frozenset(name for name, quantity in ALL_QUANTITIES.items() if quantity.on_punch)
     if learned := [name for name in study.surrogate.outputs if name in hanging]:
@@ -113,20 +108,20 @@ def _on_punch(study: Contents) -> frozenset[str]:
     return hanging
 
 
-def _tells(study: Contents, fixed: dict[str, Weight]) -> bool:
+def _decided_by_groups(study: Contents, fixed: dict[str, Weight]) -> bool:
     """Return True if groups distinguish all cases that are not similar while `fixed` stays."""
     return grouped.unlike(list(study.products.values()), list(study.factors), _standing(study) | fixed) is None
 
 
 def _on_datum(study: Contents) -> frozenset[str]:
-    if not study.groups or "datum" in study.factors:
-        return frozenset()
-    if _tells(study, {"datum": weight_of("datum")}):
+    """Return the quantities that hang on the datum, where groups do not fix it."""
+    if not study.groups or "datum" in study.factors or _decided_by_groups(study, {"datum": weight_of("datum")}):
         return frozenset()
     hanging = datum.hanging(study)
     by_base = study.kind.datum == "by_base" and not study.elastic
-    untold = hanging - ({"depth"} if by_base else set())
-    learned = [name for name in study.surrogate.outputs or ([] if by_base else study.quantities) if name in untold]
+    # the depth on a film is learned: its logarithm of the datum has one coefficient for each base
+    undecided = hanging - ({"depth"} if by_base else set())
+    learned = [name for name in study.surrogate.outputs or ([] if by_base else study.quantities) if name in undecided]
     if learned:
         raise ValueError(
             f"groups: {', '.join(learned)} depend on the datum, which is in no group: give one with it, as "
@@ -136,25 +131,22 @@ def _on_datum(study: Contents) -> frozenset[str]:
 
 
 def lacked(study: Contents) -> frozenset[str]:
-    """Names of the quantities that some cases lack, once the solver has answered at the corners of the box.
-
-    Every table costs a tenth of a second or more: the factors that need tables are all at their low ends, or all at
-    their high ends. In air every corner needs tables of its own: of a study with groups, one stored case is solved in
-    each corner of the axes, between which the box lies.
-    """
+    """Solve the corners of the box, and return the names of the quantities that some cases lack."""
     if not study.factors:
         return frozenset()
     began = process_time()
     if study.groups and study.kind.air:
+        # in air every corner needs tables: one stored case in each corner of the axes, between which the box lies
         solved = _solve_stored(study, representatives.corners(study))
     else:
+        # a table costs a tenth of a second or more: factors that need tables are all low, or all high
         ends: dict[str, Any] = {name: [axis.low, axis.high] for name, axis in study.factors.items()}
         ends |= {name: xr.DataArray(ends[name], dims="end") for name in study.tabled}
         solved = study.solved(solve, {**study.fixed_of_cases, **study.categories, **ends})
         if study.groups:
             _solve_stored(study, representatives.ends(study))
-    _tell_time(study, process_time() - began)
-    _tell_pressure(study, solved)
+    _report_time(study, process_time() - began)
+    _report_pressure(study, solved)
     if "heat" in solved.attrs:
         study.tell_default(f"heat: {solved.attrs['heat']}")
     peaks = set(study.kind.peaks)
@@ -166,15 +158,15 @@ def lacked(study: Contents) -> frozenset[str]:
 
 
 def _solve_stored(study: Contents, cases: Mapping[str, Any]) -> xr.Dataset:
-    """The answers at some stored cases of a study with groups, which may leave the box of its factors."""
+    """Solve stored cases of a study with groups, which may leave the box of its factors."""
     with located("groups: in a corner of their ranges"):
         return study.solved(solve, {**study.fixed_of_cases, **study.categories, **cases})
 
 
-def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
+def _report_pressure(study: Contents, solved: xr.Dataset) -> None:
     """Report contacts that are pressed beyond every material in all corners of the box: a unit may have been lost."""
     lowest = float(solved["peak_pressure"].min()) if "peak_pressure" in solved else 0.0
-    if lowest > DESTROYED:
+    if lowest > DESTRUCTIVE_PRESSURE:
         names = [name for name in (study.kind.loads.force, "radius", "width") if name in {*study.factors, *study.fixed}]
         study.tell_default(
             f"pressure: {lowest / 1e9:.3g} GPa or more in every corner of the box, beyond any material's strength; "
@@ -182,7 +174,7 @@ def _tell_pressure(study: Contents, solved: xr.Dataset) -> None:
         )
 
 
-def _tell_time(study: Contents, seconds: float) -> None:
+def _report_time(study: Contents, seconds: float) -> None:
     """Report, before a run starts, how long its cases take where one takes longer than people wait."""
     corners = 2 if study.tabled else 2 ** len(study.axes)
     seconds_per_case = seconds / (corners * len(study.combinations))

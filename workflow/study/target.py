@@ -21,7 +21,7 @@ CUT = 3.0  # a normal distribution ends this many standard deviations from its m
 MOST_CHOICES = 200
 Texts = Annotated[list[str], Field(max_length=4)]
 
-# the model keeps the texts, as its file and its copies have them: each is parsed once, by its first reader
+# the model keeps the texts of statements, as its file has them; each is parsed once
 _objective = lru_cache(maxsize=512)(statements.objective)
 _limit = lru_cache(maxsize=512)(statements.limit)
 
@@ -76,7 +76,7 @@ class Distribution(Strict):
         return ends[0], ends[-1]
 
     def quantile(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values at shares between 0 and 1; any shape."""
+        """Return the quantiles at shares from 0 to 1, of any shape."""
         low, high = self.support
         if self.normal:
             mean, std = self.normal
@@ -117,8 +117,8 @@ class Target(Strict):
 
     _meeting: Meeting = PrivateAttr(default="line")
 
-    def meets(self, meeting: Meeting) -> Self:
-        """Itself, read from now on for a study in which punch and body meet so."""
+    def set_meeting(self, meeting: Meeting) -> Self:
+        """Read the target's figures for a kind of contact and amplifier from now on; return the target."""
         self._meeting = meeting
         return self
 
@@ -137,22 +137,22 @@ class Target(Strict):
 
     @property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Ends of what a design does not choose, but for tolerances: worst cases, then supports of distributions."""
+        """Ends of the factors that a design does not choose: worst cases, then supports of distributions."""
         supports = {name: distribution.support for name, distribution in self.uncertain.items()}
         return {name: (low, high) for name, (low, high) in self.worst_case.items()} | supports
 
     @property
     def random(self) -> list[str]:
-        """Factors drawn for limits and statistics: the uncertain ones, and tolerances, uniformly."""
+        """Factors that are drawn for limits and statistics: the uncertain ones, and those with tolerances."""
         return [*self.uncertain, *self.tolerance]
 
     def room(self, name: str, low: float, high: float) -> tuple[float, float]:
-        """Ends between which a factor stands if its tolerance is to stay within others."""
+        """Return the range of a factor whose tolerance stays from `low` to `high`."""
         absolute, share = self.tolerances.get(name, (0.0, 0.0))
         return low / (1 - share) + absolute, high / (1 + share) - absolute
 
     def range(self, name: str, low: float, high: float) -> tuple[float, float]:
-        """The range of a design variable: what is asked for of it, within others."""
+        """Return the range of a design variable, cut to `low` and `high`."""
         variable = self.variables[name]
         return (
             low if variable.low is None else max(low, variable.low),
@@ -160,7 +160,7 @@ class Target(Strict):
         )
 
     def deviating(self, statement: statements.Statement) -> tuple[str, ...]:
-        """The factors over which a statement's deviation is taken: those that it names, or all that are not chosen."""
+        """Return the factors over which a statement's deviation is taken: those that it names, or all not chosen."""
         return statement.over or (*self.worst_case, *self.random)
 
     @property
@@ -178,7 +178,7 @@ class Target(Strict):
 
     @property
     def limits(self) -> list[statements.Limit]:
-        """The limits, parsed, in the study's order."""
+        """Parsed limits in the study's order."""
         return [_limit(text, self._meeting) for text in self.subject_to]
 
     @property
@@ -236,7 +236,7 @@ class Target(Strict):
                 raise ValueError(f"tolerance: {name}: {tolerance}: must be below 100 %")
 
     def values(self, name: str) -> list[float | str]:
-        """Every value that the question gives to a factor: its ends, choices, or the one it is held at."""
+        """Return every value that the question gives to a factor: its ends, choices or fixed value."""
         if name in self.at:
             return [self.at[name]]
         if name in self.worst_case:
@@ -247,11 +247,11 @@ class Target(Strict):
         return [*variable.choices, *(end for end in (variable.low, variable.high) if end is not None)]
 
     def constants(self) -> list[str]:
-        """Names of constants in objectives and limits, and of what bounds limits."""
+        """Return the names of constants in objectives and limits, and of allowables that bound limits."""
         bounds = [limit.allowable for limit in self.limits if limit.allowable]
         return list(dict.fromkeys([*(name for name in self.names() if name in CONSTANTS), *bounds]))
 
     def names(self) -> list[str]:
-        """Names in objectives and limits."""
+        """Return the names in objectives and limits."""
         goals, limits = [goal.expression for goal in self.objectives], [limit.expression for limit in self.limits]
         return list(dict.fromkeys(name for expression in goals + limits for name in expression.names()))

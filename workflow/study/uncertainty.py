@@ -1,9 +1,8 @@
-"""Uncertain constants of a study's materials: families of them that are scaled together, with priors of their sizes.
+"""Uncertain constants of a study's materials: families that are scaled together, with priors of their sizes.
 
-A family is scaled as a whole, by exp(std z) with z standard normal a priori, so that a material stays admissible. The
-prior standard deviation is what other published values of the material differ by, and 5 % at least. An isotropic
-elastic material has Young's modulus and Poisson's ratio instead; that has 0.02, added. One constant may be named too.
-In a study of heat the constants for heat are uncertain as well.
+A family is scaled by exp(std z), z standard normal a priori, so that a material stays admissible. The prior standard
+deviation is the difference of other published values, at least 5 %. An isotropic elastic material has Young's modulus,
+and Poisson's ratio, to which 0.02 z is added. In a study of heat the constants for heat are uncertain as well.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,7 +21,7 @@ from workflow.language.spelling import nearest
 from workflow.study.model import Study
 from workflow.study.reading import InputError
 
-#: Constants that are scaled together, by what they are called.
+#: Constants that are scaled together, by the name of their family.
 FAMILIES: dict[str, tuple[str, ...]] = {
     "stiffness": ("c11", "c12", "c13", "c33", "c44"),
     "piezoelectricity": ("e31", "e33", "e15"),
@@ -33,7 +32,7 @@ FAMILIES: dict[str, tuple[str, ...]] = {
 }
 #: Prior standard deviation of the logarithm where no other values are published, and of Poisson's ratio.
 USUAL, POISSON = 0.05, 0.02
-#: Of the constants for heat: conductivities of one polymer or ceramic and pyroelectric coefficients differ by source.
+#: The same for the constants for heat: conductivities and pyroelectric coefficients of a material differ by source.
 HEAT = {"pyroelectric": 0.2, "conductivity": 0.2, "heat_capacity": USUAL, "expansion": USUAL}
 #: Prior standard deviation of the logarithm of one constant beside its family, at least.
 OWN = 0.03
@@ -49,10 +48,9 @@ _KINDS = ("base", "material")
 class Constant:
     """Uncertain constant, or family of constants, of a material."""
 
-    # Name of the material; a family of its constants, ``modulus``, ``poisson``, or one constant
-    material: str
-    family: str
-    std: float  # Prior standard deviation: of the logarithm, of Poisson's ratio itself
+    material: str  # name
+    family: str  # a family of constants, ``modulus``, ``poisson``, or one constant
+    std: float  # prior standard deviation: of the logarithm, of Poisson's ratio itself
 
     @property
     def name(self) -> str:
@@ -66,15 +64,15 @@ class Constant:
 
     @property
     def prior(self) -> str:
-        """The prior in words."""
+        """Prior in words."""
         return f"+-{self.std:g}" if self.family == "poisson" else f"+-{100 * self.std:.3g} %"
 
     def change(self, z: float) -> str:
-        """A scaled value in words."""
+        """Return the change by z prior standard deviations in words."""
         return f"{z * self.std:+.3g}" if self.family == "poisson" else f"{100 * np.expm1(z * self.std):+.3g} %"
 
     def moved(self, material: Material, z: float) -> Material:
-        """The material with this moved; MaterialError where none is admissible."""
+        """Return the material with the constant moved by z; MaterialError if that is not admissible."""
         if self.family == "poisson":
             young, poisson = _engineering(material)
             other = Material.isotropic(young, poisson + self.std * z, name=material.name)
@@ -91,7 +89,7 @@ class Constant:
 
 
 def uncertain(study: Study, priors: Mapping[str, float | None] | None = None) -> list[Constant]:
-    """The uncertain constants of a study, with their priors."""
+    """Return the uncertain constants of a study, all or those of `priors`, with their standard deviations."""
     has_heat = "touch_temperature" in {*study.fixed_of_cases, *study.factors}
     constants = {name: _constants(name, find(name, study.own_materials), has_heat) for name in materials(study)}
     if not constants:
@@ -102,11 +100,8 @@ def uncertain(study: Study, priors: Mapping[str, float | None] | None = None) ->
 
 
 def own(study: Study, constants: list[Constant]) -> list[Constant]:
-    """Single constants of some families with priors of their deviation from the family.
-
-    The prior standard deviation is the scatter of other published values about their family's mean, and 3 % at least.
-    """
-    named, singles = {constant.name for constant in constants}, []
+    """Return the single constants of families, with priors of their deviation from the family."""
+    singles, named = list[Constant](), {constant.name for constant in constants}
     for family in constants:
         material = find(family.material, study.own_materials)
         for name in members(material, family.family):
@@ -116,7 +111,7 @@ def own(study: Study, constants: list[Constant]) -> list[Constant]:
 
 
 def members(material: Material, family: str) -> list[str]:
-    """Constants of a material that a family scales, two or more; none of what is no such family."""
+    """Return the constants of a material that a family scales, if there are two or more."""
     values = {name: float(getattr(material, name)) for name in FAMILIES.get(family, ())}
     names = [name for name, value in values.items() if value not in (0.0, _VACUUM.get(family)) and value == value]
     return names if len(names) > 1 else []
@@ -135,17 +130,13 @@ def moved(study: Study, constants: list[Constant], z: NDArray[np.float64]) -> St
 def sensitivities(
     study: Study, constants: list[Constant], values: Callable[[Study], NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """Relative changes of some values by one prior standard deviation of each constant, (value, constant).
-
-    Each constant is moved by itself, up and down by a tenth of its standard deviation. Where the published values of a
-    family differ by more than 30 %, each alternative is solved, and the largest change counts.
-    """
+    """Return relative changes of values by one prior standard deviation of each constant alone, (value, constant)."""
     nominal = values(study)
     shares = np.empty((len(nominal), len(constants)))
     for column, constant in enumerate(constants):
         with np.errstate(divide="ignore", invalid="ignore"):
-            if constant.std > _WIDE and (others := _alternatives(study, constant)):
-                changes = np.stack([values(other) for other in others]) / nominal - 1
+            if constant.std > _WIDE and (alternatives := _alternatives(study, constant)):  # the largest change counts
+                changes = np.stack([values(alternative) for alternative in alternatives]) / nominal - 1
                 shares[:, column] = np.take_along_axis(changes, np.abs(changes).argmax(0)[None], 0)[0]
                 continue
             step = _STEP if constant.std <= _WIDE else 1.0
@@ -156,9 +147,9 @@ def sensitivities(
 
 
 def _alternatives(study: Study, constant: Constant) -> list[Study]:
-    """The study with a family of each published alternative of its material; without those that are not admissible."""
+    """Return the study with a family of each published alternative of its material that is admissible."""
     material = find(constant.material, study.own_materials)
-    others = []
+    studies = []
     for variant in material.variants():
         pairs = {name: (getattr(material, name), getattr(variant, name)) for name in constant.members}
         changed: dict[str, Any] = {
@@ -167,26 +158,26 @@ def _alternatives(study: Study, constant: Constant) -> list[Study]:
         with suppress(MaterialError):
             moved_material = replace(material, **changed, alternatives=())
             moved_material.check()
-            others += [study.with_materials({constant.material: moved_material})] if changed else []
-    return others
+            studies += [study.with_materials({constant.material: moved_material})] if changed else []
+    return studies
 
 
 def concerned(study: Study, constant: Constant) -> dict[str, str]:
-    """Categories that have to be at a name for a constant to matter; none where it always does."""
+    """Return the categories that must be at a name for a constant to matter; none where it always does."""
     held = {kind: constant.material for kind in _KINDS if constant.material in study.categories.get(kind, [])}
     elsewhere = [*study.fixed.values(), *(layer.material for layer in study.body), *_phases(study)]
     return {} if constant.material in elsewhere or len(held) > 1 else held
 
 
 def materials(study: Study) -> list[str]:
-    """Names of the materials that a study's cases are made of."""
+    """Return the names of the materials of a study's cases."""
     names: list[str] = [*_phases(study), *(layer.material for layer in study.body if layer.material)]
     names += [name for kind in _KINDS for name in study.names(kind)]
     return [name for name in dict.fromkeys(names) if name not in ("", RIGID)]
 
 
 def _phases(study: Study) -> list[str]:
-    """The phases, where a composite is made of them."""
+    """Return the phases if a composite consists of them."""
     composites: list[str | None] = [layer.composite for layer in study.body]
     if not study.body and "material" not in study.fixed and "material" not in study.categories:
         composites = [*study.names("composite", "fibrous")]
@@ -194,7 +185,7 @@ def _phases(study: Study) -> list[str]:
 
 
 def _constants(name: str, material: Material, has_heat: bool) -> list[Constant]:
-    """The families of a material that are not zero nor the vacuum's."""
+    """Return the families of a material with constants other than zero and the vacuum's."""
     constants = [Constant(name, family, std) for family, std in HEAT.items() if has_heat and family in material.thermal]
     if _is_isotropic(material):
         stiffness = Constant(name, "modulus", _spread(material, FAMILIES["stiffness"]))
@@ -223,18 +214,18 @@ def _asked(name: str, std: float | None, constants: Mapping[str, list[Constant]]
 
 
 def _spread(material: Material, names: tuple[str, ...]) -> float:
-    """The usual prior, or the most that other published values of a family are off by on average, as logarithms."""
+    """Return the usual prior, or the largest mean logarithm by which published values of a family differ."""
     return max([USUAL, *(abs(float(np.mean(off))) for off in _differences(material, names) if off)])
 
 
 def _scatter(material: Material, family: str) -> float:
-    """Deviation of the logarithms of other published values about their family's mean, the widest of the variants."""
+    """Return the largest standard deviation of published logarithms about their family's mean, from 0.03 to 0.1."""
     differences = _differences(material, members(material, family))
     return min(max([OWN, *(float(np.std(off, ddof=1)) for off in differences if len(off) > 1)]), _MOST_OWN)
 
 
 def _differences(material: Material, names: Sequence[str]) -> Iterator[list[float]]:
-    """Logarithms of other published values over the material's own, a list a variant; without those of another sign."""
+    """Yield logarithms of other published values over the material's own, for each variant; those of equal sign."""
     for variant in material.variants():
         pairs = [(float(getattr(variant, name)), float(getattr(material, name))) for name in names]
         yield [np.log(a / b) for a, b in pairs if a * b > 0]
@@ -251,6 +242,6 @@ def _is_isotropic(material: Material) -> bool:
 
 
 def _engineering(material: Material) -> tuple[float, float]:
-    """Young's modulus and Poisson's ratio of an isotropic material."""
+    """Return Young's modulus and Poisson's ratio of an isotropic material."""
     poisson = float(material.c12 / (material.c11 + material.c12))
     return float(2 * material.c44 * (1 + poisson)), poisson

@@ -1,4 +1,4 @@
-"""Fields over panels of which largest values are asked for: what they are called, and their low-rank basis."""
+"""Fields over panels whose largest values are outputs, and their low-rank basis."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -10,23 +10,22 @@ from approximation.arrays import Array
 from approximation.measure import Measure
 from approximation.panels import Panels
 
-# Directions that are looked for first, and twice as many as long as they do not suffice.
-_FIRST = 32
+_FIRST = 32  # singular vectors that are computed first; their number is doubled until they suffice
 
 
 @dataclass(frozen=True)
 class Curves:
-    """Fields at the points of panels, in one data set with what is learnt beside them."""
+    """Fields at the points of panels, as variables of the training data."""
 
-    fields: tuple[str, ...]  # Variables of the data set; a measure takes the first of them
-    # For every field the positive variable by which it scales from case to case, learnt by its logarithm; empty where
-    # there is none. The fields of a measure share theirs.
+    fields: tuple[str, ...]  # names of variables; a measure takes the first of them
+    # For every field the positive variable that it is divided by, learnt by its logarithm; empty: none. The fields of
+    # a measure have one size.
     sizes: tuple[str, ...]
-    panels: Panels  # Where the points lie
-    dim: str  # Dimension of the points
+    panels: Panels
+    dim: str  # dimension of the points
 
     def shapes(self, data: xr.Dataset) -> Array:
-        """Return the fields over their sizes, (case, field, point), cases in the order of their dimensions."""
+        """Return the fields over their sizes, (case, field, point)."""
         whole = []
         for name, size in zip(self.fields, self.sizes, strict=True):
             field = data[name] / data[size] if size else data[name]
@@ -41,28 +40,24 @@ class Curves:
 
 @dataclass(frozen=True)
 class Largest:
-    """An output: the largest measure of curves, or what a field is where it is largest."""
+    """An output: the maximum of a measure of curves, or a field's value at that maximum."""
 
-    curves: int  # Number of the curves
-    measure: Measure  # What is largest; outputs that share it share the search
-    place: int = -1  # Number of the field that is read there; -1: the measure itself
+    curves: int  # number of the curves
+    measure: Measure  # outputs with the same measure share the search
+    place: int = -1  # number of the field that is read at the maximum; -1: the measure itself
 
 
 @dataclass(frozen=True, eq=False)
 class Basis:
-    """Fields as a mean and a few vectors."""
+    """Fields as a mean plus vectors times scores."""
 
-    mean: Array  # shape (field, point); Mean of the training cases
-    vectors: Array  # shape (rank, field, point); What every score multiplies
-    scales: Array  # shape (field,); Root-mean-square size of every field: over it the vectors are orthonormal
+    mean: Array  # shape (field, point); mean of the training cases
+    vectors: Array  # shape (rank, field, point); orthonormal over `scales`
+    scales: Array  # shape (field,); root-mean-square size of every field
 
     @classmethod
     def of(cls, values: Array, error: float) -> Self:
-        """Return the least basis that holds cases (case, field, point) to a stated error.
-
-        The vectors are the first right singular vectors of the cases, found by random projections from a fixed seed (N.
-        Halko et al., SIAM Rev. 53 (2011) 217).
-        """
+        """Return the fewest right singular vectors that reproduce cases (case, field, point) to an error."""
         mean = values.mean(axis=0)
         scales = np.sqrt((values**2).mean(axis=(0, 2)))
         scales[scales == 0] = 1.0
@@ -71,7 +66,7 @@ class Basis:
         from sklearn.utils.extmath import randomized_svd  # slow to import: a model from its file needs it not
 
         most, count = min(centred.shape), _FIRST
-        while True:
+        while True:  # random projections from a fixed seed: N. Halko et al., SIAM Rev. 53 (2011) 217
             count = min(count, most)
             _, sizes, vectors = randomized_svd(centred, count, n_oversamples=8, n_iter=3, random_state=0)
             left = total - np.cumsum(sizes**2)
@@ -89,7 +84,7 @@ class Basis:
         return np.asarray(weights.reshape(len(weights), -1) @ (values - self.mean).reshape(len(values), -1).T)
 
     def error(self, share: float) -> float:
-        """Return the error of every score that makes a root-mean-square error of a share of the fields."""
+        """Return the error of each score that causes a root-mean-square error of `share` of the fields' sizes."""
         return float(share * np.sqrt(self.mean.size / len(self.vectors)))
 
     def state(self, number: int) -> dict[str, tuple[tuple[str, ...], Array]]:

@@ -1,7 +1,4 @@
-"""Maximum of a measure of curves, its place, and the derivatives of both by the scores of the curves.
-
-A scan of some points finds the hills, Newton's iteration climbs the highest ones on the polynomials of their panels.
-"""
+"""Maximum of a measure of curves by a scan and Newton's iteration, with derivatives by the scores of the curves."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,10 +10,10 @@ from approximation.arrays import Array, Indices
 from approximation.chebyshev import gauss_points
 from approximation.measure import Measure
 from approximation.panels import Panels, jets, rows
-from approximation.summit import Top, climb, held, hill
+from approximation.summit import Top, at_bound, climb, gradient_curvature
 from surrogate.transforms.curves.basis import Basis
 
-# Hills that are climbed, and how far below the highest they may lie: between points that are scanned one is higher.
+# Most local maxima that are climbed, and how far below the highest they may lie: maxima lie between scanned points
 CLIMBED, RIVAL = 4, 0.1
 
 
@@ -24,11 +21,11 @@ CLIMBED, RIVAL = 4, 0.1
 class Landscape:
     """Curves of a low-rank basis on panels."""
 
-    basis: Basis  # What their scores mean
-    panels: Panels  # Where their points lie
+    basis: Basis
+    panels: Panels
 
     def summit(self, scores: Array, measure: Measure) -> Top:
-        """Find where a measure of curves with scores (rank, B) is largest."""
+        """Return the maximum of a measure of curves with scores (rank, B)."""
         scan, ones = self.panels.scan, np.concatenate([np.ones((1, scores.shape[1])), scores])
         scanned = self._scanned[:, : measure.fields * scan.points.size]
         fields = (ones.T.astype(scanned.dtype) @ scanned).reshape(scores.shape[1], measure.fields, -1)
@@ -49,7 +46,7 @@ class Landscape:
         return self._highest(ones, measure, np.concatenate(curves), np.concatenate(points))
 
     def read(self, scores: Array, summit: Top, field: int) -> Array:
-        """Return a field at places on curves with scores (rank, B): (B,)."""
+        """Return a field at the maxima `summit` of curves with scores (rank, B): (B,)."""
         out, ones = np.empty(scores.shape[1]), np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
             members = np.flatnonzero(summit.panel == number)
@@ -58,10 +55,7 @@ class Landscape:
         return out
 
     def sensitivity(self, scores: Array, measure: Measure, summit: Top, place: int) -> Array:
-        """Return how the largest value, or a field there, changes with the scores, (rank, B): (rank, B).
-
-        The measure at its maximum changes as at a place that stays; the place moves so that it stays stationary.
-        """
+        """Return derivatives of the maximum, or of field `place` >= 0 at it, by the scores (rank, B): (rank, B)."""
         out = np.empty_like(scores)
         ones = np.concatenate([np.ones((1, scores.shape[1])), scores])
         for number in np.unique(summit.panel).tolist():
@@ -78,19 +72,18 @@ class Landscape:
         """Return derivatives (n, rank) from jets (n, field, 3, 3) of the curves and of the basis functions."""
         inner, parts = jet[:, : measure.fields], by_score[:, :, : measure.fields]
         bent = measure.bent(inner[..., 0, 0])
-        if place < 0:
+        if place < 0:  # the measure is stationary at its maximum, so that the maximum's motion has no part
             return np.asarray(np.einsum("nm,nrm->nr", bent.slope, parts[..., 0, 0]))
-        gradient, (uu, vv, uv) = hill(inner, bent)
-        down, across = self._shape
-        place_of_top = summit.across[members], summit.down[members]
-        fixed = np.stack([held(*side) for side in zip(place_of_top, gradient, (across, down), strict=True)], axis=1)
+        gradient, (uu, vv, uv) = gradient_curvature(inner, bent)
+        coordinates, counts = (summit.across[members], summit.down[members]), self._shape[::-1]
+        free = ~np.stack([at_bound(*axis) for axis in zip(coordinates, gradient, counts, strict=True)], axis=1)
         steep = inner[..., [0, 1], [1, 0]]
-        push = np.einsum("nm,nrms->nsr", bent.slope, parts[..., [0, 1], [1, 0]])
-        push += np.einsum("nms,nmk,nrk->nsr", steep, bent.bend, parts[..., 0, 0], optimize=True)
+        mixed = np.einsum("nm,nrms->nsr", bent.slope, parts[..., [0, 1], [1, 0]])
+        mixed += np.einsum("nms,nmk,nrk->nsr", steep, bent.bend, parts[..., 0, 0], optimize=True)
         curvature = np.stack([uu, uv, uv, vv], axis=-1).reshape(-1, 2, 2)
-        free = ~fixed
         curvature = np.where(free[:, :, None] & free[:, None], curvature, np.eye(2))
-        moved = -np.linalg.pinv(curvature, hermitian=True) @ np.where(free[..., None], push, 0.0)
+        # the maximum moves so that the gradient stays zero
+        moved = -np.linalg.pinv(curvature, hermitian=True) @ np.where(free[..., None], mixed, 0.0)
         return np.asarray(
             by_score[:, :, place, 0, 0]
             + jet[:, place, 0, 1, None] * moved[:, 0]
@@ -98,7 +91,7 @@ class Landscape:
         )
 
     def _highest(self, ones: Array, measure: Measure, curves: Indices, points: Indices) -> Top:
-        """The highest of the hills that some points of the scan lie on, for every curve."""
+        """Return the highest maximum of every curve that is reached from points of the scan on `curves`."""
         scan = self.panels.scan
         panel = scan.panel[points]
         start = scan.across[points], scan.down[points]
@@ -116,29 +109,29 @@ class Landscape:
         return rows(across, summit.across[members]), rows(down, summit.down[members])
 
     def _fields(self, ones: Array, number: int, fields: slice) -> Array:
-        """Some fields on a panel, of curves by 1 and their scores, (1 + rank, n): (n, field, down, across)."""
+        """Return fields on a panel, (n, field, down, across), of curves with scores (rank, n) below a row of ones."""
         panel_fields = self._by_panel[number][:, fields]
         return (ones.T @ panel_fields.reshape(len(panel_fields), -1)).reshape(-1, *panel_fields.shape[1:])
 
     @cached_property
     def _whole(self) -> Array:
-        """Mean and vectors, (1 + rank, field, point)."""
+        """Mean and vectors of the basis, (1 + rank, field, point)."""
         return np.concatenate([self.basis.mean[None], self.basis.vectors])
 
     @cached_property
     def _scanned(self) -> NDArray[np.float32]:
-        """The same at the points of the scan: single precision tells where hills are."""
+        """Mean and vectors at the points of the scan, (1 + rank, field x point); single precision finds the maxima."""
         scanned = self._whole[..., self.panels.scan.points].reshape(len(self._whole), -1)
         return np.ascontiguousarray(scanned, dtype=np.float32)
 
     @property
     def _shape(self) -> tuple[int, int]:
-        """Number of points down and across that every panel has here: the most of any."""
+        """Largest number of points down and across of a panel."""
         return max(self.panels.down), max(self.panels.across)
 
     @cached_property
     def _by_panel(self) -> list[Array]:
-        """The same at as many points of every panel: all are climbed at once; (1 + rank, field, down, across)."""
+        """Mean and vectors on every panel at `_shape` points, so that all panels are climbed at once."""
         most_down, most_across = (gauss_points(count) for count in self._shape)
         parts = []
         for down, across, part in self.panels.parts:

@@ -1,5 +1,7 @@
 """Refusals by name, in one line with value and what is allowed, for every kind of body, punch, film and electrode."""
 
+import re
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -8,9 +10,10 @@ import xarray as xr
 
 import solver
 from solver.body import airless
+from solver.halfplane.pressing import ContactError
 from solver.stack.layers import Layer, Stack
-from tests.solver.cases import refused, without
-from tests.solver.line.films import BTO
+from tests.refusals import assert_refused
+from tests.solver.cases import BTO, CFO, FIBROUS, refused, without
 
 GLASS = solver.find("glass")
 Case = dict[str, Any]
@@ -158,7 +161,7 @@ PUNCHES: dict[str, Case] = {
 
 
 @pytest.mark.parametrize("case", [LINE, MIX | {"base": "steel"}, BALL])
-def test_bad_punches_are(case: Case) -> None:
+def test_bad_punches_are_refused(case: Case) -> None:
     for message, changed in PUNCHES.items():
         refused(case | changed, message)
 
@@ -219,3 +222,31 @@ def test_a_wrong_value_is_quoted_by_its_beginning() -> None:
         assert str(caught.value).startswith(f'{next(iter(factors))}: "{str(everything)[:20]}')
         assert len(str(caught.value)) < 200
     refused(LINE | {"material": everything}, "", "give the name of one, or a Material")
+
+
+CYLINDER = LINE | BARE | {"material": None, "body": Stack((Layer(BTO, 0.5e-3, magnetic="insulated"),))}
+WIDE = PRESSED | BARE | {"material": None, "body": Stack((Layer(FIBROUS, 2e-4),), "steel"), "profile": "flat"}
+#: Words of the refusal, and the layer, stack or field that is refused with them.
+STACKS: dict[str, Callable[[], object]] = {
+    "thickness: 0.0 is not allowed": lambda: Layer(BTO, 0.0),
+    "interface_electric: 'floating' is unknown; allowed are grounded, bonded": lambda: Layer(BTO, 1.0, "floating"),
+    "layers: none": lambda: Stack(()),
+    "base: material: 'soft' is unknown": lambda: Stack((Layer(BTO, 1.0),), "soft"),
+    "material: 'coper' is unknown; did you mean 'copper'": lambda: Layer("coper", 1e-6),
+    "thickness: '20 V': unit mismatch": lambda: Layer(BTO, "20 V"),
+    "thickness: -2e-05 is not allowed": lambda: Layer(BTO, "-20 um"),
+    "interface_magnetic: 'bonded' is not allowed": lambda: Stack((Layer(BTO, 1.0, magnetic="bonded"),)),
+    "has case axes": lambda: Layer(solver.fibrous(BTO, CFO, [0.1, 0.2]), 1.0),
+    "beyond the range": lambda: solver.solve(without(CYLINDER), [1e7]),
+    "x: 1e+06 is farther from the contact than the fields inside this film":
+        lambda: solver.solve_interior(without(CYLINDER), [1e6], [0.0], fields=["stress_xx"]),
+    "magnetic_potential: is not given inside a film on a base that insulates":
+        lambda: solver.solve_interior(without(CYLINDER), [0.0], [0.0], fields=["magnetic_potential"]),
+    "contact: half-length over thickness 11.1 is too wide for peaks; must be < 10":
+        lambda: solver.solve(without(WIDE) | {"width": 22.2 * 2e-4, "load": 1e4}, peaks=True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("words", STACKS)
+def test_stacks_and_fields_inside_them_are_refused(words: str) -> None:
+    assert_refused((solver.MaterialError, ContactError, solver.FactorError), re.escape(words), STACKS[words])

@@ -1,13 +1,14 @@
-"""No point of a net inside a body is above its peak, and the highest is next to it: lines and points, in air too."""
+"""No point inside a body, of a net or of the curves that peaks follow from, is above its peak; the highest is near."""
 
 from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import solver
 from solver.arrays import Array
+from solver.curves import FOLLOWS, REGIONS, described
+from verification.cases import half_length
 
 LINE: dict[str, Any] = {"radius": 0.05, "magnetic": "insulating"}
 BALL: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "magnetic": "insulating"}
@@ -35,12 +36,6 @@ FILMS: dict[str, dict[str, Any]] = {
 NETS = {"in air": (61, 60.0, 12, 0.05), "ball": (31, 3.0, 12, 0.05), "ball in air": (31, 3.0, 12, 0.05)}
 
 
-def half_length(computed: xr.Dataset) -> float:
-    if "contact_radius" in computed:
-        return float(computed["contact_radius"])
-    return float(computed["contact_trailing"] + computed["contact_leading"]) / 2
-
-
 def scanned(edge: float, count: int, farthest: float) -> Array:
     """X under the contact and beside it as far as many thicknesses, over h."""
     outside = 1 + np.geomspace(1e-3 * min(edge, 1.0), farthest * edge, count)
@@ -54,7 +49,8 @@ def test_films(name: str) -> None:
     case = FILMS[name]
     count, farthest, layers, within = NETS.get(name, (161, 60.0, 24, 0.02))
     computed = solver.solve(case, peaks=True)
-    h, deep = half_length(computed), case["thickness"]
+    h = float(computed["contact_radius"] if "contact_radius" in computed else half_length(computed))
+    deep = case["thickness"]
     X = scanned(deep / h, count, farthest)
     on = solver.solve_interior(case, X, [-deep / h], fields=["stress_xy", "stress_yy"])
     largest = {"interface_shear": float(abs(on["stress_xy"]).max()), "interface_tension": float(on["stress_yy"].max())}
@@ -85,3 +81,52 @@ def test_half_planes_in_air() -> None:
         assert largest <= float(computed[f"peak_{name}"]) * (1 + 1e-9) < largest * 1.01, name
     bare = solver.solve(case | BARE, peaks=["peak_von_mises"])
     assert float(computed["peak_von_mises"]) < 0.999 * float(bare["peak_von_mises"])
+
+
+HALF_PLANE: dict[str, Any] = {"volume_fraction": [0.2, 0.7], "friction": [0.0, 0.25], "radius": 0.05, "load": 1e5}
+CURVED: dict[str, Any] = {
+    "volume_fraction": 0.5, "friction": 0.3, "thickness": 2e-4, "surroundings": "insulated",
+    "base": "steel", "radius": 0.05, "load": 1e5,
+    "charge": 2e-6,
+}  # fmt: skip
+
+
+def test_curves_are_the_fields_inside_at_their_points() -> None:
+    """One case, every point of the panels: solve_interior shares only the formula of the fields."""
+    case = HALF_PLANE | {"volume_fraction": 0.7, "friction": 0.25, "charge": 1e-6}
+    curves = solver.solve_curves(case, ["body"])
+    half = curves["half_length"].item()
+    across, _ = REGIONS["body"].lines()
+    X = np.where(np.abs(across) < 1, across, np.sign(across) * (1 + (np.abs(across) - 1) / (2 - np.abs(across))))
+    y = -np.unique(curves["body_depth"]) / half
+    assert y[[-1, 0]] == pytest.approx([-2.0, -0.1], abs=0.03)
+    inside = solver.solve_interior(case, X, y, fields=REGIONS["body"].fields[:4])
+    for name in REGIONS["body"].fields[:4]:
+        whole = REGIONS["body"].panels.by_panel(inside[name].transpose("y", "x").values)
+        assert curves[f"body_{name}"].values == pytest.approx(whole, rel=1e-9, abs=1e-9 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize(("case", "names"), [(HALF_PLANE, [n for n in FOLLOWS if n.startswith("peak")]),
+                                              (CURVED | {"base": "rigid"}, [n for n in FOLLOWS if n[0] in "fi"]),
+                                              pytest.param(CURVED, [n for n in FOLLOWS if n[0] == "b"],
+                                                           marks=pytest.mark.soak)])  # fmt: skip
+def test_largest_values_at_the_points_are_next_to_the_peaks(case: dict[str, Any], names: list[str]) -> None:
+    """Points lie up to a tenth of a panel beside a maximum, and none is higher than the exact one."""
+    curves, exact = solver.solve_curves(case), solver.solve(case, peaks=names)
+    for name in names:
+        peak = FOLLOWS[name]
+        if peak.place:
+            continue
+        within = list(described(peak.region))[: len(peak.measure.linear[0])]
+        largest = peak.measure.of(np.stack([curves[field].values for field in within], -1)).max(-1)
+        true = exact[name].broadcast_like(curves[within[0]].isel({f"{peak.region}_point": 0}, drop=True)).values
+        room = 1e-4 * true.max()
+        assert (largest <= true * (1 + 2e-4) + room).all(), name
+        assert (largest >= 0.9 * true - room).all(), name
+
+
+def test_regions_are_those_of_the_case() -> None:
+    rigid = solver.solve_curves(CURVED | {"base": "rigid"}, ["interface", "base"])
+    assert set(rigid) & {*described("interface"), *described("base")} == set(described("interface"))
+    with pytest.raises(solver.FactorError, match="regions: 'lid' is not one of body, interface, film, base"):
+        solver.solve_curves(HALF_PLANE, ["lid"])

@@ -9,7 +9,7 @@ import solver
 from solver.arrays import Array
 from solver.names import FILM_PEAKS
 from solver.stack.layers import Layer, Stack
-from tests.solver.line.films import BTO, CFO, FIBROUS
+from tests.solver.cases import BTO, CFO, FIBROUS
 
 ON_STEEL = Stack((Layer(FIBROUS, 2e-4, magnetic="grounded"),), "steel")
 BONDED = Stack((Layer(FIBROUS, 2e-4, "bonded", "bonded"),), CFO)

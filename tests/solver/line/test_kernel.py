@@ -1,4 +1,4 @@
-"""Tables of kernels and their resolution, and steady sliding: integrals, finer systems, Lame's potentials."""
+"""Stacks in Fourier space, tables of kernels and their resolution: closed forms, integrals, finer systems."""
 
 from dataclasses import replace
 from itertools import cycle, product
@@ -16,7 +16,7 @@ from solver.line.outputs import Assembly
 from solver.line.table import SlowWarning, at, table
 from solver.stack.layers import RIGID, Layer, Stack
 from solver.stack.reflection import waves
-from tests.solver.line.films import BTO, FIBROUS, STEEL
+from tests.solver.cases import BTO, FIBROUS, STEEL
 
 #: Roots with a large real part put singularities beside the first panels.
 AXIAL = [name for name, material in solver.materials().items() if material.axial]
@@ -89,3 +89,28 @@ def test_tables_that_take_long_say_so_first(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("solver.line.table.at", lambda *_: np.zeros(()))
     with pytest.warns(SlowWarning, match=r"a table of half-lengths from 1 to 2 thicknesses of this film takes about"):
         _ = table(Stack((Layer(BTO, 1.0),)), least=1.0, most=2.0, nodes=4).at_nodes
+
+
+K = np.geomspace(0.01, 10.0, 25)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.49])
+def test_isotropic_layer_on_a_rigid_base_is_the_closed_multiplier(poisson: float) -> None:
+    stack = Stack((Layer(solver.Material.isotropic(7e10, poisson), 1.0),))
+    compliance = stack.media[0].compliance[1, 1]
+    computed = 1 + waves(stack, K)[0].difference[:, 1, 1] / compliance
+    kappa, u = 3 - 4 * poisson, K
+    exact = (2 * kappa * np.sinh(2 * u) - 4 * u) / (2 * kappa * np.cosh(2 * u) + 1 + kappa**2 + 4 * u**2)
+    np.testing.assert_allclose(computed, exact, rtol=1e-11)
+
+
+def test_stacks_are_equal_by_their_content() -> None:
+    film = Stack([Layer("PZT-4", "20 um", "grounded")], "steel")
+    stated = Stack([Layer(solver.find("PZT-4"), 20e-6, "grounded")], STEEL)
+    assert (film, film.name) == (stated, stated.name)
+    others = [
+        Stack([Layer("PZT-4", "21 um", "grounded")], "steel"),
+        Stack([Layer("PZT-4", "20 um", "bonded")], "steel"),
+        Stack([Layer("PZT-4", "20 um", "grounded")]),
+    ]
+    assert len({film, *others}) == 1 + len(others)

@@ -9,9 +9,9 @@ import solver
 from solver.material.constants import UNITS
 from solver.material.punches import punches
 from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, LIMITED, LIMITS
-from tests.solver.cases import free_body
+from tests.solver.cases import BTO, CFO, free_body
+from verification.cases import constants
 
-PLAIN: dict[str, Any] = {"name": "mine", "c11": 126e9, "c12": 79.5e9, "c13": 84.1e9, "c33": 117e9, "c44": 23e9}
 #: Orders of magnitude that a solid can have.
 SENSIBLE = {
     "tensile_strength": (1e6, 1e9), "yield_strength": (1e7, 1e9), "depoling_stress": (1e6, 1e9),
@@ -49,11 +49,8 @@ def test_entries_say_where_everything_comes_from(name: str) -> None:
 
 #: Sizes of thermal constants in SI of any solid of the library.
 WARM = {
-    "pyroelectric": (1e-6, 1e-3),
-    "expansion": (1e-6, 4e-4),
-    "conductivity": (0.1, 500),
-    "heat_capacity": (1e6, 5e6),
-}
+    "pyroelectric": (1e-6, 1e-3), "expansion": (1e-6, 4e-4), "conductivity": (0.1, 500), "heat_capacity": (1e6, 5e6),
+}  # fmt: skip
 
 
 def test_constants_for_heat_have_sources_and_sizes_of_solids() -> None:
@@ -75,7 +72,7 @@ def test_constants_for_heat_have_sources_and_sizes_of_solids() -> None:
 
 @pytest.mark.parametrize("law", [solver.fibrous, solver.laminate])
 def test_composites_mix_constants_for_heat_by_the_relation_of_levin(law: Any) -> None:
-    polar, spinel = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    polar, spinel = BTO, CFO
     ends = [law(polar, spinel, fraction).thermal for fraction in (0.0, 1.0)]
     for name, phase in (("expansion", spinel), ("conductivity", spinel), ("heat_capacity", spinel)):
         assert ends[0][name].value == pytest.approx(phase.thermal[name].value, rel=1e-9)
@@ -86,14 +83,12 @@ def test_composites_mix_constants_for_heat_by_the_relation_of_levin(law: Any) ->
 
 
 def test_a_laminate_is_pyroelectric_as_its_layers_in_series() -> None:
-    v, polar, spinel = 0.4, solver.find("BaTiO3"), solver.find("glass")  # no magnetic coupling
+    v, polar, spinel = 0.4, BTO, solver.find("glass")  # no magnetic coupling
     free = solver.laminate(polar, spinel, v)
     p = {name: known.value for name, known in free.thermal.items()}
     # unknowns per kelvin: strain across, strain along and field of each layer; shared: strain across, stress, D
     rows, right = np.zeros((5, 5)), np.zeros(5)
-    layers = [
-        {n: float(getattr(m, n)) for n in UNITS} | {n: k.value for n, k in m.thermal.items()} for m in (polar, spinel)
-    ]
+    layers = [constants(m) | {name: known.value for name, known in m.thermal.items()} for m in (polar, spinel)]
     for k, (c, share) in enumerate(zip(layers, (v, 1 - v), strict=True)):
         alpha, upright, field = c["expansion"], 1 + k, 3 + k
         rows[0, [0, upright, field]] += np.array([c["c11"] + c["c12"], c["c13"], -c["e31"] * 1e9]) * share
@@ -111,37 +106,6 @@ def test_a_laminate_is_pyroelectric_as_its_layers_in_series() -> None:
     ) + c["eps33"] * 1e9 * induced
     assert p["expansion"] == pytest.approx(across, rel=1e-9)
     assert p["pyroelectric"] == pytest.approx(induction, rel=1e-7)
-
-
-@pytest.mark.parametrize(
-    ("entries", "words"),
-    [
-        ({"limits": 3}, "limits: '3' is not a mapping of tensile_strength, "),
-        ({"limits": {"strength": {}}}, "limits: 'strength': unknown entry; known are tensile_strength, "),
-        ({"limits": {"yield_strength": 3e7}}, "limits: yield_strength: '30000000.0' is not a mapping of value, source"),
-        ({"thermal": {"conductivity": {"value": 0, "source": "x"}}},
-         "thermal: conductivity: value: '0' is not a finite"),
-        ({"thermal": {"pyroelectric": {"value": -27, "source": "x"}}},
-         "thermal: pyroelectric: -27 C m-2 K-1 is of a size that no material has"),
-        ({"thermal": {"expansion": {"value": "3 ppm"}}}, "thermal: expansion: value: '3 ppm': unit mismatch"),
-        ({"limits": {"coercive_field": {"value": -1, "source": "x"}}},
-         "limits: coercive_field: value: '-1' is not a finite number > 0 [V m-1]"),
-        ({"limits": {"yield_strength": {"value": 1e7}}}, "limits: yield_strength: source: '' is not a text that says"),
-        ({"limits": {"yield_strength": {"value": 1e7, "unit": "Pa"}}}, "limits: yield_strength: 'unit': unknown entry"),
-        ({"alternatives": {"c11": 1e9}}, "alternatives: \"{'c11': 1000000000.0}\" is not a list of constants"),
-        ({"alternatives": [{"c11": 1.2e11}]}, "alternatives: 1: source: '' is not a text that says where it comes"),
-        ({"alternatives": [{"e13": 1.0, "source": "x"}]}, "alternatives: 1: 'e13': unknown entry; known are c11, "),
-        ({"alternatives": [{"c11": 1.3e11, "source": "x"}, {"c11": float("inf"), "source": "x"}]},
-         "alternatives: 2: c11: 'inf' is not a finite number [Pa]"),
-        ({"alternatives": [{"c33": 1e11, "source": "x"}, {"c12": 2e11, "source": "x"}]},
-         "(alternative 2): c12 = 2e+11 Pa: needs |c12| < c11"),
-        ({"alternatives": [{"c11": 1e11, "source": "x"}] * 21}, "alternatives: 21 are more than 20"),
-    ],
-)  # fmt: skip
-def test_refused_by_name(entries: dict[str, Any], words: str) -> None:
-    with pytest.raises(solver.MaterialError) as caught:
-        solver.Material.from_mapping(PLAIN | entries)
-    assert words in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["BaTiO3", "steel", "P(VDF-TrFE) 75:25", "CoFe2O4"])

@@ -5,6 +5,7 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 
 from surrogate import GridGP
+from surrogate.face import model as face_model
 from surrogate.gp import correction, imputation
 from surrogate.gp.correction import correct, degrees
 from surrogate.gp.factors import Factor
@@ -50,7 +51,7 @@ def test_cases_beyond_the_most_are_held_out_from_the_regression(monkeypatch: pyt
     indices = degrees((0.2, 0.1), 500)
     assert indices is not None
     monkeypatch.setattr(correction, "MOST_CASES", 300)
-    monkeypatch.setattr(correction, "BLOCK", 64)
+    monkeypatch.setattr(face_model, "BLOCK", 64)
     correction_, left = correct(error, t, (7, 5), (0.2, 0.1), np.arange(500))
     assert correction_ is not None
     np.testing.assert_allclose(left[:, 300:], (error - correction_.values(t))[:, 300:], rtol=0, atol=1e-12)

@@ -10,6 +10,7 @@ import xarray as xr
 from surrogate import CrossGP, GridGP, Input, load, save
 from surrogate.levels import counts, lines
 from surrogate.use.sensitivity import sobol
+from tests.refusals import assert_refused
 
 BOX = tuple(Input(name, 0.0, 1.0) for name in "uvwxyz")
 LEVELS = {"u": 4, "v": 6, "w": 5, "x": 7, "y": 6, "z": 4}
@@ -89,11 +90,8 @@ def test_lines_of_the_cases_decay_as_those_of_the_grid(cases: xr.Dataset, grid: 
 
 
 def test_missing_and_bad_cases_are_named(cases: xr.Dataset) -> None:
-    with pytest.raises(ValueError, match=r"\d+ places are still to be solved"):
-        crossing().fit(cases.isel(place=slice(0, 40)))
+    assert_refused(ValueError, r"\d+ places are still to be solved", crossing().fit, cases.isel(place=slice(0, 40)))
     with pytest.raises(ValueError, match=r"input .x.: 0\.1234 is none of its 7 levels"):
         crossing().fit(cases.assign(x=("place", np.full(cases.sizes["place"], 0.1234))))
-    with pytest.raises(ValueError, match="output 'f' is not finite"):
-        crossing().fit(cases.assign(f=cases["f"] * np.nan))
-    with pytest.raises(ValueError, match="crossed and levels must name inputs"):
-        CrossGP(BOX, LEVELS, ("x", "q"), 1e-3)
+    assert_refused(ValueError, "output 'f' is not finite", crossing().fit, cases.assign(f=cases["f"] * np.nan))
+    assert_refused(ValueError, "crossed and levels must name inputs", CrossGP, BOX, LEVELS, ("x", "q"), 1e-3)

@@ -176,21 +176,6 @@ def test_cases_that_share_places_count_as_places_in_parts_of_the_box() -> None:
     assert not learnt.trend_degree.all(axis=1).any()  # no product of the two
 
 
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        (lambda d: d.isel(case=slice(39)), "calibration needs at least 40 cases, got 39"),
-        (lambda d: d.drop_vars("ratio"), "'ratio' is not in the data set"),
-        (lambda d: d.assign(angle=d["angle"] + 1), "outside the trained box"),
-        (lambda d: d.assign(ratio=d["ratio"].where(d["angle"] < 0.5)), "'ratio' is not finite in a case"),
-    ],
-)
-def test_bad_cases_are_refused(change: Callable[[xr.Dataset], xr.Dataset], says: str) -> None:
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((4, 3, 3, 3, 2)))
-    with pytest.raises(ValueError, match=says):
-        model.calibrate(change(functions.scattered(60, seed=1)))
-
-
 def test_intervals_of_derivatives_hold_in_about_their_share() -> None:
     model = calibrated(functions.outputs, COUNTS, 3000)
     points, true = functions.true_slopes(functions.scattered(600, seed=2)[list(model.box)], functions.INPUTS[0])

@@ -14,6 +14,7 @@ from surrogate import GridGP, Input
 from surrogate.levels.counts import Decays, LevelChoice, UnreachableError, choose, decays, explore
 from surrogate.levels.decay import Decay, decay_of
 from surrogate.use.validation import validate
+from tests.refusals import assert_refused
 from tests.surrogate import functions
 
 PILOT = (17, 9, 9, 9, 3)
@@ -63,23 +64,16 @@ def test_noise_in_the_data_bounds_the_tolerance(pilot: xr.Dataset) -> None:
     noisy = pilot[["mixed"]].copy(deep=True)
     noisy["mixed"] *= 1 + 1e-6 * np.random.default_rng(0).normal(size=noisy["mixed"].shape)
     chosen(noisy, 1e-3)
-    with pytest.raises(ValueError, match="out of reach for output 'mixed'"):
-        chosen(noisy, 1e-9)
+    assert_refused(ValueError, "out of reach for output 'mixed'", chosen, noisy, 1e-9)
 
 
 def test_polynomials_get_exactly_the_levels_that_they_need() -> None:
     inputs = [Input("x", 0, 1), Input("y", -2, 3)]
-    x, y = (xr.DataArray(i.levels(9), dims=i.name, coords={i.name: i.levels(9)}) for i in inputs)
+    x, y = functions.grid(inputs, (9, 9)).coords.values()
     choice = choose(decays(xr.Dataset({"f": x**4 * (1 + y), "g": x**2 - 7 * y}), inputs), 1e-10, 100)
     assert choice.counts == {"x": 5, "y": 2}
     assert choice.affine == ("y",)
     assert choice.kinked == {}
-
-
-@pytest.mark.parametrize(("tolerance", "budget"), [(0.0, 10), (float("nan"), 10), (1e-3, 0)])
-def test_senseless_requests_are_refused(pilot_decays: Decays, tolerance: float, budget: int) -> None:
-    with pytest.raises(ValueError, match="must be positive"):
-        choose(pilot_decays, tolerance, budget)
 
 
 Array = NDArray[np.float64]
@@ -121,7 +115,7 @@ Levels = dict[str, NDArray[np.float64]]
 
 def solved(levels: Levels) -> xr.Dataset:
     """The test functions on any levels."""
-    return xr.Dataset(functions.outputs({n: xr.DataArray(x, dims=n, coords={n: x}) for n, x in levels.items()}))
+    return xr.Dataset(functions.outputs(xr.Dataset(coords=levels)))
 
 
 @pytest.mark.sampled(2)
@@ -146,7 +140,7 @@ PLANE = [Input("x", 0, 1), Input("y", 0, 1)]
 
 def plane(levels: Levels) -> xr.Dataset:
     """Outputs of two inputs, with a pole and with a kink along x."""
-    x, y = (xr.DataArray(levels[name], dims=name, coords={name: levels[name]}) for name in ("x", "y"))
+    x, y = (xr.Dataset(coords=levels)[name] for name in ("x", "y"))
     return xr.Dataset({"pole": 1 / (x + 0.05) + y, "kink": np.maximum(x, 0.4) * y, "smooth": np.exp(x * y)})
 
 
@@ -184,8 +178,7 @@ def test_the_budget_bounds_the_pilots_too() -> None:
         cases.append(prod(map(len, levels.values())))
         return plane(levels)
 
-    with pytest.raises(UnreachableError, match="the budget is 200; 200 cases reach about"):
-        explore(counted, PLANE, 1e-9, 200)
+    assert_refused(UnreachableError, "the budget is 200; 200 cases reach about", explore, counted, PLANE, 1e-9, 200)
     assert sum(cases) <= 200
     cases.clear()
     assert explore(counted, PLANE, 1e-6, 20_000).cases == sum(cases)

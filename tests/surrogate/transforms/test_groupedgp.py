@@ -1,16 +1,14 @@
 """Grouped surrogates: the user's inputs outside, products of powers inside, against functions known by formula."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-import xarray as xr
 
-from surrogate import GridGP, Group, GroupedGP, Input, Scaling
+from surrogate import GridGP, GroupedGP
 from surrogate.data.inputs import unit_coordinates
 from surrogate.use.sensitivity import sobol
 from surrogate.use.validation import validate
-from tests.surrogate.grouped import GROUPING, GROUPS, INPUTS, PRESSING, SCALINGS, cases, factorial, world
+from tests.surrogate import functions
+from tests.surrogate.grouped import GROUPING, INPUTS, SCALINGS, cases, factorial, world
 
 
 @pytest.fixture(scope="module")
@@ -59,43 +57,9 @@ def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedG
 
 
 def test_sensitivity_is_that_to_the_inputs(exact: GroupedGP) -> None:
-    """Against the indices of a grid process on the inputs themselves."""
-    counts = (14, 7, 4, 7, 3)
-    levels = {input_.name: (input_.name, input_.levels(n)) for input_, n in zip(INPUTS, counts, strict=True)}
-    x = xr.Dataset(coords=levels)
-    plain = GridGP(inputs=INPUTS).fit(world(x))
+    plain = GridGP(inputs=INPUTS).fit(world(functions.grid(INPUTS, (14, 7, 4, 7, 3))))
     input_, two = sobol(exact), sobol(plain)
     for name in ("first_order", "total", "second_order"):
         np.testing.assert_allclose(
             input_[name].sel(output=list(SCALINGS)), two[name].sel(output=list(SCALINGS)), atol=2e-4
         )
-
-
-@pytest.mark.parametrize(
-    ("change", "says"),
-    [
-        ({"groups": GROUPS[:2]}, "input 'charge' is in no group and no scale"),
-        ({"groups": (*GROUPS, Group(Input("x", 0, 1), {"heat": 1.0}))}, "'heat' is no input"),
-        ({"groups": (*GROUPS[:2], Group(Input("root", 0, 1), {"charge": 0.5}))}, "'charge' from -2e-06 on has no such"),
-        ({"groups": (GROUPS[0], Group(Input("pressing", 1e9, 2e9), PRESSING), GROUPS[2])}, "beyond its range"),
-        ({"scalings": {"f": Scaling({"charge": 1.0})}}, "the scale of f: 'charge'"),
-        ({"added": {"charge": 1.0}}, "the added logarithm: 'charge'"),
-    ],
-)
-def test_bad_groups_are_named(change: dict[str, object], says: str) -> None:
-    with pytest.raises(ValueError, match=says):
-        replace(GROUPING, **change)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("logarithm", "radius", "says"),
-    [
-        (1, None, r"output 'voltage' is from .* no logarithm of what changes sign"),
-        (0, 0.03, "do not have its values of the axis 'pressing'"),
-    ],
-)
-def test_cases_that_do_not_fit_the_groups_are_refused(logarithm: int, radius: float | None, says: str) -> None:
-    scalings = {**SCALINGS, "voltage": Scaling({"load": 1.0}, logarithm=logarithm)}
-    wrong = factorial() if radius is None else factorial().assign_coords(radius=radius)
-    with pytest.raises(ValueError, match=says):
-        GroupedGP(replace(GROUPING, scalings=scalings)).fit(wrong)

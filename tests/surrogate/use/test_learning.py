@@ -14,6 +14,7 @@ from surrogate.data.inputs import physical_points
 from surrogate.transforms.measured import CorrectedGP, Draw, Measurements
 from surrogate.use import learning
 from surrogate.use.learning import Learnt, NotSettledError, Residuals, learn
+from tests.refusals import assert_refused
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 10.0, "log"))
@@ -250,7 +251,5 @@ def test_what_cannot_be_learnt_is_refused() -> None:
     same = Measurements(X, np.arange(30), np.zeros(30, int), np.full(30, 6.0), np.full(30, 1e-3))
     with pytest.raises(NotSettledError, match="does not settle"):  # a derivative of the wrong sign leads away
         learn(lambda z: (5 + z[0] * np.ones(30), -np.ones((30, 1))), same, INPUTS, 1, np.zeros(30))
-    with pytest.raises(ValueError, match="positive"):
-        replace(rows, error=-rows.error)
-    with pytest.raises(ValueError, match="twice"):
-        replace(rows, row=0 * rows.row)
+    assert_refused(ValueError, "positive", replace, rows, error=-rows.error)
+    assert_refused(ValueError, "twice", replace, rows, row=0 * rows.row)

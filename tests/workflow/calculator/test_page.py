@@ -78,7 +78,7 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert "surroundings" not in seen["first"]["commands"]  # the page has the solver's default
     assert seen["first"]["verdict"] == "Within what is known of the material"
     assert seen["first"]["words"].startswith("The face between film and base is grounded. The band is how far 4 other")
-    assert seen["first"]["words"].endswith("Beside the contact is air.")
+    assert seen["first"]["words"].endswith("Air surrounds the contact.")
     default["force"] = 0.01
     pairs = variants(FILMS["PVDF on glass"])
     pressed, *moved = (solver.solve({**default, "material": top, "base": base}) for top, base in pairs)

@@ -110,7 +110,7 @@ def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.M
     sizes: list[int] = []
 
     def written(most: int) -> bytes:
-        monkeypatch.setattr(case_solver, "_CLOSED", most)
+        monkeypatch.setattr(case_solver, "_CLOSED_FORM_CASES", most)
         sizes.clear()
 
         def counted(factors: xr.Dataset) -> xr.Dataset:

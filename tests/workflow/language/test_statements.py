@@ -47,7 +47,7 @@ def test_a_number_is_short_and_never_as_programs_write_it(value: float | None, d
      (5e4, "N m-1", 4, "50 kN/m"),
      (0.0493, "V m N-1", 4, "49.3 mV·m/N"), (0.67, "1", 4, "0.67"), (2e-3, "kg m-3", 4, "0.002 kg/m³"),
      (3e-9, "m2 s-1", 2, "3000 µm²/s"), (3e-7, "m2", 2, "0.3 mm²"), (2.3e-9, "m2", 2, "2300 µm²"),
-     (5.0, "m2", 2, "5 m²")],
+     (5.0, "m2", 2, "5 m²"), (np.pi / 4, "rad", 3, "45 deg"), (1e-4, "rad", 3, "100 µrad")],
 )  # fmt: skip
 def test_a_value_has_a_prefix_where_its_unit_takes_one(value: float, units: str, digits: int, expected: str) -> None:
     assert shown(value, units, digits) == expected
@@ -65,7 +65,7 @@ def test_the_page_writes_numbers_as_python_does(tmp_path: Path) -> None:
     random = np.random.default_rng(0)
     values = [0.0, 2.5, 0.25, 1.25, 999.96, 99999.6, 1e5, 1e-3, 5e4, *(10.0 ** np.arange(-15, 13)).tolist()]
     values += (random.choice([-1, 1], 300) * 10 ** random.uniform(-17, 14, 300)).tolist()
-    units = ["Pa", "V m N-1", "1", "m2 s-1", "m2", "T m1/2", "kg m-3", "N m-1 V-1", "s-1", "C m-3/2", "%"]
+    units = ["Pa", "V m N-1", "1", "m2 s-1", "m2", "T m1/2", "kg m-3", "N m-1 V-1", "s-1", "C m-3/2", "%", "rad"]
     cases = [[value, units[k % len(units)], 1 + k % 6] for k, value in enumerate(values)]
     expected = [[number(v, d), shown(v, u, d), *prefixed(v, u)] for v, u, d in cases]
     script = (TEMPLATES / "numbers.js").read_text(encoding="utf-8")

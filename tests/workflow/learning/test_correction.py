@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 from textwrap import dedent
 
@@ -195,6 +196,13 @@ def test_bad_rows_and_constants_are_refused(old: str, new: str, reason: str, pro
     before = sorted(project.rglob("*"))
     assert reason in command.refused(*asked(project, *([old, new] if old == "--uncertain" else []), rows="bad.csv"))
     assert sorted(project.rglob("*")) == before
+
+
+def test_a_surrogate_of_another_study_is_refused(project: Path, command: Command, tmp_path: Path) -> None:
+    shutil.copytree(project, tmp_path, dirs_exist_ok=True)
+    study = tmp_path / "config/study.yaml"
+    study.write_text(study.read_text(encoding="utf-8").replace("friction: 0.2", "friction: 0.1"), encoding="utf-8")
+    assert "was made from another state of the study" in command.refused(*asked(tmp_path))
 
 
 @pytest.fixture(scope="module")

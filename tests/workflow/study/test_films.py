@@ -78,12 +78,12 @@ def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
 
 def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:
     study = made_of(material="PZT-4")
-    names = coupling.told(study)
+    names = coupling.felt_outputs(study)
     assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(names)
     assert not {"magnetic_potential", "flux_per_force", "stroke_per_ampere", "permeance_per_length"} & set(names)
     surrogate = study.surrogate.model_copy(update={"outputs": ["depth", "magnetic_potential"]})
-    assert coupling.told(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
-    assert coupling.told(QUICKSTART) == QUICKSTART.outputs
+    assert coupling.felt_outputs(study.model_copy(update={"surrogate": surrogate})) == ["depth", "magnetic_potential"]
+    assert coupling.felt_outputs(QUICKSTART) == QUICKSTART.outputs
 
 
 def test_a_strength_that_bounds_another_stress_is_reported() -> None:

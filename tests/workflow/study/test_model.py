@@ -124,7 +124,7 @@ def test_a_study_over_the_composition_of_an_alloy() -> None:
 
 def test_a_long_check_says_what_it_does(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(model, "SILENCE", 0.0)
-    monkeypatch.setattr(model, "_last", {})
+    monkeypatch.setattr(model, "_checked", {})
     model.named("quickstart")
     assert capfd.readouterr().err == "checking quickstart: solving the corners of its box and its effects\n"
 
@@ -207,7 +207,7 @@ def _unsolved(monkeypatch: pytest.MonkeyPatch) -> None:
 def plan(content: dict[str, Any], origin: Origin) -> bool:
     """Read all that the rules ask of a study; return False for a refusal of several lines."""
     try:
-        study = partition.with_slabs(model._made(content, origin))
+        study = partition.with_slabs(model._validated(content, origin))
     except InputError as refusal:
         return "\n" not in str(refusal)
     page.figures(study), page.effects(study)
@@ -235,7 +235,7 @@ def test_a_shipped_study_loads_and_is_a_plan_or_one_line_without_some_keys(file:
     content = read_yaml(file)
     origin = Origin(file, dict(read_material(file.parent / name) for name in content.get("materials", [])))
     assert plan(content, origin)
-    assert model._made(content, origin).title == content["title"]  # no refusal; its corners: above
+    assert model._validated(content, origin).title == content["title"]  # no refusal; its corners: above
     random = Random(file.stem)
     for _ in range(8):
         shorter = without(content, random)

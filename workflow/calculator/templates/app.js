@@ -204,7 +204,7 @@ function show(values) {
   tell("band-words").textContent = (film() ? "The face between film and base is grounded. " : "") + (others.length
     ? `The band is how far ${others.length} other published ${others.length === 1 ? "set of constants moves" : "sets of constants move"} a figure${rows.some(([key]) => own[key] && spread(key) > least() * Math.abs(own[key])) ? "" : "; here it moves none"}.`
     : "The library knows one published set of these constants: there is no band.")
-    + (film() && profile() === "sphere" ? " Beside the contact is air." : " Beside the contact the surface is insulated.")
+    + (film() && profile() === "sphere" ? " Air surrounds the contact." : " The surface outside the contact is insulated.")
     + (!film() && ["sphere", "cylinder"].includes(profile()) ? ' With air there ("surroundings: air" of meecontact solve) voltages are smaller and capacitances larger.' : "");
   const { lines, known } = beyond(material, several), bad = lines.some((one) => one.bad), steep = geometry(own);
   const verdict = tell("verdict");

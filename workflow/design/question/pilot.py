@@ -140,7 +140,7 @@ def unit_notes(label: str, term: Term, values: Array) -> list[str]:
 
 def _intended(term: Term, values: Array) -> str:
     """Question for the prefix that brings the bound closest to the values, where the unit takes one."""
-    unit = term.expression.lone()
+    unit = term.expression.interface_unit()
     if unit is None or unit.startswith("kg"):
         return "; write a unit after the number"
     size = float(np.abs(values).max())

@@ -157,7 +157,7 @@ class Term:
         """Unit in the interface's notation where a quantity has it, in base units otherwise."""
         if isinstance(self.measure, RelativeDeviation):
             return "1"
-        return self.expression.lone() or str(self.expression.unit() or "1")
+        return self.expression.interface_unit() or str(self.expression.unit() or "1")
 
     def meets(self, other: "Term") -> bool:
         """Return whether this limit and another one of the same expression leave one value only: an equality."""

@@ -205,7 +205,7 @@ def tolerances(answer: Answer) -> list[str]:
         cost, gain = (shares.get(variable.name, np.nan) for shares in (answer.tolerated.cost, answer.tolerated.gain))
         if not variable.tolerance or not np.isfinite(cost):
             continue
-        words = f"the tolerance ± {given.told(variable.name, variable.tolerance)} of {variable.title}"
+        words = f"the tolerance ± {given.size_in_words(variable.name, variable.tolerance)} of {variable.title}"
         text = f"{words} costs {number(100 * cost, 2)} % of the goal" if cost > 0 else f"{words} costs nothing"
         parts.append(f"{text} (half the tolerance would gain {number(100 * gain, 2)} %)" if gain > 0 else text)
     return parts
@@ -242,7 +242,7 @@ def in_brackets(answer: Answer) -> str:
 
 def _bands(answer: Answer) -> list[str]:
     tolerated = [variable for variable in answer.variables if variable.tolerance]
-    return [f"{variable.title} ± {given.told(variable.name, variable.tolerance)}" for variable in tolerated]
+    return [f"{variable.title} ± {given.size_in_words(variable.name, variable.tolerance)}" for variable in tolerated]
 
 
 def exceeded(answer: Answer) -> str:

@@ -34,6 +34,7 @@ from workflow.report.figures.style import (
 from workflow.report.svg import INK
 from workflow.study.target import Target
 
+_LINE, _SHORT_LINE = 34, 24  # characters of a label beside a map, and beside a slice below its legend
 _BESIDE = 0.01  # of a slice: nearer to its design lies nothing but the design itself
 
 
@@ -76,7 +77,7 @@ def _slices(answer: Answer) -> Figure:
     slices = answer.pictures
     names = [str(name) for name in slices["slice"].values]
     figure, axes = panels(len(names), len(names), max(2.6 * len(names) + 0.6, 4.6), 3.0, sharey=True)
-    size, words = _objective(answer)
+    size, words = _objective(answer, _SHORT_LINE)
     lowest, highest = float(slices["slice_low"].min()) / size, float(slices["slice_high"].max()) / size
     pad = 0.05 * (highest - lowest)
     ends = (lowest - pad, highest + pad)
@@ -178,10 +179,10 @@ def _star(answer: Answer, kind: str = "design") -> str:
     return f"recommended {kind}" if answer.feasible else "least violated design: not reachable"
 
 
-def _objective(answer: Answer) -> tuple[float, str]:
-    """Divisor and label of the first objective."""
+def _objective(answer: Answer, most: int = _LINE) -> tuple[float, str]:
+    """Divisor of the first objective, and its label in lines of at most ``most`` characters."""
     size, units = prefixed(abs(answer.terms[0].exact), answer.terms[0].units)
-    return size, label(f"{answer.statistic} {answer.terms[0].title}", units, 34)
+    return size, label(f"{answer.statistic} {answer.terms[0].title}", units, most)
 
 
 def _factor_axis(ax: Axes, which: str, name: str, values: Array) -> None:

@@ -2,6 +2,7 @@
 "use strict";
 
 const PREFIXES = { "-15": "f", "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T" };
+const DEGREE = Math.PI / 180; // rad
 const SUPERSCRIPT = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹", "/": "ᐟ" };
 
 const raised = (text) => [...text].map((c) => SUPERSCRIPT[c]).join("");
@@ -17,7 +18,9 @@ function written(units) {
 }
 
 // A prefix fits where the first symbol of a unit has no exponent, as in "V m N-1", or is an area; `count` digits will be shown.
+// Angles are in degrees from one degree on.
 function engineering(value, units, count = 15) {
+  if (units === "rad" && Math.abs(value) >= DEGREE && Number.isFinite(value)) return { size: DEGREE, units: "deg" };
   const scalable = units && /^([A-Za-z]+|m2)( |$)/.test(units) && !units.startsWith("kg");
   const [exponent, shift, least, most] = units && units.startsWith("m2") ? [2, 2, -9, 0] : [1, 0, -15, 12]; // 0.01 to 9999 mm²
   const some = scalable && value !== 0 && Number.isFinite(value);
