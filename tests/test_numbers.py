@@ -31,6 +31,7 @@ from solver.point.table import PointKind
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import sideways
 from tests.solver.cases import BTO, tables
+from verification.cases import half_length
 from workflow.language import grammar
 from workflow.language.constants import Meeting
 from workflow.run.provenance import ROOT
@@ -349,14 +350,10 @@ def pressed_film(stack: Stack, friction: float = 0.0, load: float = 1e5, charge:
 def thick(material: solver.Material) -> list[float]:
     """Half-length on a film ten half-lengths thick over the half-plane's, less 1: rigid, bonded, grounded base."""
     case = {"material": material, "radius": 0.05, "load": 1e5, "friction": 0.3}
-
-    def half(**film: Any) -> float:
-        answer = solver.solve(case | film)
-        return float(answer["contact_trailing"] + answer["contact_leading"]) / 2
-
-    film = {"thickness": 10 * half(), "surroundings": "insulated"}
+    half = float(half_length(solver.solve(case)))
+    film = {"thickness": 10 * half, "surroundings": "insulated"}
     bases = [{"base": "rigid"}, *({"base": "silicon", "interface_electric": kind} for kind in ("bonded", "grounded"))]
-    return [half(**film, **base) / half() - 1 for base in bases]
+    return [float(half_length(solver.solve(case | film | base))) / half - 1 for base in bases]
 
 
 def said(pattern: str) -> float:

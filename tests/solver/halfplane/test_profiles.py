@@ -17,14 +17,14 @@ from solver.halfplane.surface import HalfPlane
 from solver.material.constants import ANY_SIZE, Material
 from tests.solver.cases import FIBROUS
 from tests.solver.strategies import constants, loads, property_based
-from verification.cases import SIH_SONG
+from verification import cases
 from verification.integral_equations import PUNCHES
 from verification.oracles import collocation
 from verification.oracles.collocation import fields, quantities
 from verification.oracles.sample_materials import SIH_SONG as CONSTANTS
-from verification.oracles.surface_response import SurfaceResponse, reduced, surface_response
+from verification.oracles.surface_response import reduced, surface_response
 
-BASE: dict[str, Any] = {"material": SIH_SONG, "load": 1e5, "datum": 0.2}
+BASE: dict[str, Any] = {"material": cases.SIH_SONG, "load": 1e5, "datum": 0.2}
 POSITIONS = np.array([-1.7, -1.001, -0.95, 0.2, 0.95, 1.001, 4.0])
 CONDUCTED = [(1, 2), (1,), (2,), ()]
 #: Punches of the verification, and those that it lacks, for the solver and for the collocation.
@@ -133,10 +133,6 @@ def test_the_integral_equations_hold(c: dict[str, Any], case: dict[str, Any]) ->
     assert np.all(np.abs(residual) <= 1e-11 * size[:, None])
 
 
-def response(material: Material) -> SurfaceResponse:
-    return surface_response({name: value for name, value in material.plain().items() if isinstance(value, float)})
-
-
 @pytest.mark.parametrize(
     ("profile", "slope", "lost"),
     [
@@ -149,7 +145,8 @@ def response(material: Material) -> SurfaceResponse:
 )
 def test_surfaces_of_body_and_elastic_punch_fit(profile: dict[str, Any], slope: tuple[float, ...], lost: float) -> None:
     """Slopes of body and punch, each from the Stroh eigenvectors of its material, differ by that of the profile."""
-    t, body, punch = tractions(ELASTIC | profile), response(FIBROUS), response(Material.isotropic(210e9, 0.3))
+    materials = FIBROUS, Material.isotropic(210e9, 0.3)
+    t, (body, punch) = tractions(ELASTIC | profile), (surface_response(cases.constants(m)) for m in materials)
     fits = body.shear_coupling[0] * t.values[0] + body.normal_compliance[0] @ t.transforms[1:]
     fits += punch.normal_compliance[0, 0] * t.transforms[1] - punch.shear_coupling[0] * t.values[0]  # upside down
     required = sum(c * t.x**k for k, c in enumerate(slope))
