@@ -176,10 +176,7 @@ class _Contact:
         if self._metallic:
             return {name: out[name] for name in _MECHANICAL if name in out}
         if self._stack is not None:
-            grounded = [bool(components) for components in self._stack.grounded]
-            above = grounded.index(True) + 1 if any(grounded) else None
-            thickness = sum(layer.thickness for layer in self._stack.layers[:above])
-            out["nominal_field"] = abs(out["voltage"]) / thickness
+            out["nominal_field"] = abs(out["voltage"]) / (self._stack.above_ground * self._stack.top.thickness)
         return {name: value for name, value in out.items() if name in self.case.kind.quantities}
 
     def along_x(self, positions: Array) -> dict[str, Array]:

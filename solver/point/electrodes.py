@@ -1,7 +1,7 @@
 """Charge of an electrode below a point contact, and of its patches (films, section 11).
 
-In the units of the stack q(k) = 2 pi a sum_n c_n . rows j_2n(ka). Friction adds waves J1(kr) cos(angle), which are -1/k
-times the derivatives of J0(kr) along x; so are their charges on a patch, by its distance.
+In the units of the stack q(k) = 2 pi a sum_n c_n . rows j_2n(ka). Friction adds waves J1(kr) cos(angle), which are the
+derivatives of -J0(kr)/k along x: their charge on a patch is the derivative of that of -J0(kr)/k by the distance.
 """
 
 from collections.abc import Callable, Iterator

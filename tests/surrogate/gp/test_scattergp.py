@@ -24,8 +24,9 @@ INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
 
 def cases(count: int, seed: int = 0) -> xr.Dataset:
     data = functions.drawn(INPUTS, count, seed)
-    x, y = data["x"], data["y"]
-    return data.assign(f=(np.sin(2 * x) + np.log(y)).assign_attrs(units="K"), g=50 + np.sin(3 * x * np.log(y) / 5))
+    x, y = data["x"].values, data["y"].values
+    f, g = np.sin(2 * x) + np.log(y), 50 + np.sin(3 * x * np.log(y) / 5)
+    return data.assign(f=("case", f, {"units": "K"}), g=("case", g))
 
 
 def correlation(theta: Array, a: Array, b: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from tests.surrogate import functions
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 3.0))
 
 
-def truth(x: xr.DataArray, y: xr.DataArray) -> dict[str, xr.DataArray]:
+def truth(x: Any, y: Any) -> dict[str, Any]:
     """Outputs that share a near-pole, and one that does not."""
     pole, wave = 1 / (x + 0.1) ** y, np.cos(5 * x * y)
     return {"first": 3 + pole, "second": 2 + 0.7 * pole + 0.002 * wave, "other": np.exp(np.sin(4 * x * y) / y)}
