@@ -90,8 +90,8 @@ def answered(
     moving = {str(row["name"]) for row in solved["on_datum"] if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     drawn = device.draw(of_case(study, case, solved["contact"]), built)
-    why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
-           spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
+    why = (judged.beyond, judged.advice, judged.without_effect, judged.tolerance or cost(answer), judged.device,
+           _sure(answer), spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
     return Card(
         title=study.titles[name],
         build=unbroken(built + in_brackets(answer)),

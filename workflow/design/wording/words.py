@@ -1,4 +1,4 @@
-"""The verdict on a design in words, and sentences beside it: tolerances, spread by constants, figures of the device."""
+"""The verdict on a design in words; sentences on tolerances, spread by constants and figures of the device."""
 
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied r
 #: First words of the verdict on a design beyond a limit of its materials or beyond small strain.
 BEYOND = "beyond linear theory"
 
-_DRIVEN = ("stroke", "blocked", "drive", "electrode_stroke", "contact", "depth")  # what no amplifier reads
+_DRIVEN = ("stroke", "blocked", "drive", "electrode_stroke", "contact", "depth")  # begin names that no amplifier reads
 _UNREAD = 0.5  # share of its range that remains of a factor which a read-out cannot identify
 _NOTHING = 1e-3  # least gain by a wider range that is reported
 _SAME = 1.005  # factor of the load that counts as no overload
@@ -40,7 +40,7 @@ class Verdict:
     kind: str  # RECOMMENDED, AT_EDGE or UNREACHABLE; BEYOND before it; with an effect left out, WITHIN, and that behind
     stops: str  # limits and range ends that bind
     advice: str = ""  # change that would give a better or a feasible design
-    idle: str = ""  # variables and range ends without effect on the goal
+    without_effect: str = ""  # variables and range ends without effect on the goal
     tolerance: str = ""  # cost of the tolerances, and the optimum without them
     device: str = ""  # figures of the device, and the overload
     beyond: str = ""  # exceeded limits of the theory, with sources
@@ -49,10 +49,10 @@ class Verdict:
     @property
     def why(self) -> str:
         """Binding limits, and advice."""
-        return " ".join([capital(self.stops), *filter(None, (self.advice, self.idle))])
+        return " ".join([capital(self.stops), *filter(None, (self.advice, self.without_effect))])
 
     def __str__(self) -> str:
-        sentences = (self.advice, self.idle, self.tolerance, self.device, self.beyond, self.sources)
+        sentences = (self.advice, self.without_effect, self.tolerance, self.device, self.beyond, self.sources)
         return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, sentences)])
 
 
@@ -81,7 +81,7 @@ def within(effects: Sequence[LeftOut], moved: Set[str], kind: str = RECOMMENDED)
 
 
 def _moved(answer: Answer) -> set[str]:
-    """What effects must move to count for a question: the stress, or the signal of a contact that is read."""
+    """Return what an effect must change to count for a question: the stress, or the signal of a contact."""
     names = {name for term in answer.terms for name in term.statement.expression.names()}
     stresses = {name for name in names & ALL_QUANTITIES.keys() if ALL_QUANTITIES[name].units == "Pa"}
     read = {name for name in names if name in FIGURES or name in ALL_QUANTITIES} - stresses
@@ -95,12 +95,14 @@ def _sources(answer: Answer) -> str:
     return " ".join(f"{capital(bound)}: {source}{unverified(source)}." for bound, source in sources.items() if bound)
 
 
-def _idle(answer: Answer) -> str:
+def _without_effect(answer: Answer) -> str:
     """Variables without effect on the goal, and the rule that chooses their values."""
-    if not answer.idle:
+    if not answer.without_effect:
         return ""
-    words = listed([variable.title for variable in answer.idle])
-    smallest, leave = ("smallest values are", "leave") if len(answer.idle) > 1 else ("smallest value is", "leaves")
+    words = listed([variable.title for variable in answer.without_effect])
+    smallest, leave = (
+        ("smallest values are", "leave") if len(answer.without_effect) > 1 else ("smallest value is", "leaves")
+    )
     return (
         f"The goal does not depend on {words}; the {smallest} chosen that {leave} every limit "
         f"{number(100 * ROOM, 2)} % of room, or as much as possible."
@@ -142,15 +144,15 @@ def _reached(answer: Answer) -> Verdict:
     gains = multipliers.gains(answer, answer.binding, answer.at_ends)
     slight = [end for end in answer.at_ends if gains.get(end.name, 1.0) <= _NOTHING]
     ends = [end for end in answer.at_ends if end not in slight]
-    idle = _idle(answer)
+    remark = _without_effect(answer)
     if slight:
         words = listed([f"{end.title} ({end.words}, {_end(end)})" for end in slight])
-        idle = f"A wider range of {words} would change the goal by less than {_percent(_NOTHING)}. {idle}".strip()
+        remark = f"A wider range of {words} would change the goal by less than {_percent(_NOTHING)}. {remark}".strip()
     bounds = [*(f"{end.title} at {_end(end)} ({end.words})" for end in ends), *(term.words for term in answer.binding)]
     if ends:
-        return Verdict(AT_EDGE, f"limited by {listed(bounds)}.", _enlarged(ends, gains), idle)
+        return Verdict(AT_EDGE, f"limited by {listed(bounds)}.", _enlarged(ends, gains), remark)
     stops = f"limited by {listed(bounds)}." if bounds else "the best within the ranges; no limit is reached."
-    return Verdict(RECOMMENDED, stops, "", idle)
+    return Verdict(RECOMMENDED, stops, "", remark)
 
 
 def _end(variable: Variable) -> str:
@@ -166,7 +168,7 @@ def _enlarged(ends: Sequence[Variable], gains: dict[str, float]) -> str:
 
 
 def _farther(end: Variable) -> str:
-    """A value beyond the end of a range, in words."""
+    """Return a value beyond the end of a range, in words."""
     return f"{end.title} {titles.value(end.name, end.value * (1 + multipliers.moved(end)))}"
 
 
