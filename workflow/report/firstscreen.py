@@ -49,8 +49,8 @@ _PUNCHES = {
     "roller": "roller, R = {radius}, {length} long",
     "rough_sphere": "rough ball, R = {radius}, {roughness} rms",
 }
-_LITTLE = 1e-5  # share that is told as less than that
-#: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
+_LITTLE = 1e-5  # share; smaller ones are shown as less than that
+#: The space between a number and its unit: a sign, or a unit of the SI with or without prefix, and its divisor.
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
 Case = Mapping[str, float | str]
 
@@ -111,7 +111,7 @@ def answered(
 
 
 def doubted(study: Study) -> str:
-    """Doubtful constants of the materials in use, in words; empty without any."""
+    """Return doubtful constants of the materials in use, in words; empty without any."""
     parts = []
     for material in coupling.materials(study):
         if material.note.startswith("doubt"):

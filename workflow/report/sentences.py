@@ -78,11 +78,11 @@ def sensitivity(charts: Sequence[Chart]) -> str:
             _depending(name, by_category, whole=len(by_category) == counts[name])
             for name, by_category in depending.items()
         ]
-        said = [
+        words = [
             f"{name} ({_size(by_category.values())})"
             for name, by_category in zip(names, depending.values(), strict=True)
         ]
-        parts.append(f"{listed(said)} depend{'s' if len(said) == 1 else ''} most on {titles.title(factor)}")
+        parts.append(f"{listed(words)} depend{'s' if len(words) == 1 else ''} most on {titles.title(factor)}")
     return f"{capital('; '.join(parts))} (shares of the variance over the ranges, with interactions)."
 
 
