@@ -45,11 +45,11 @@ class WorstCase(RiskMeasure):
     key = False
 
     def rows(self, values: Array) -> Array:
-        """The values themselves."""
+        """Return the values, one row a scenario."""
         return values.reshape(len(values), -1)
 
     def jacobian(self, values: Array) -> Array:
-        """The identity."""
+        """Return the identity."""
         return np.eye(values.size)
 
 
@@ -82,7 +82,7 @@ class Quantile(RiskMeasure):
         return np.asarray(np.sort(values, -1) @ _harrell_davis(values.shape[-1], self.share))
 
     def jacobian(self, values: Array) -> Array:
-        """The weights, in the order of the values."""
+        """Return the weights, in the order of the values."""
         ranks = values.argsort(-1).argsort(-1)
         return _by_group(_harrell_davis(values.shape[-1], self.share)[ranks])
 

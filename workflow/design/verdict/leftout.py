@@ -267,7 +267,7 @@ def _constants(case: SolvedCase) -> Iterator[LeftOut]:
 
 
 def _strain(case: SolvedCase) -> Iterator[LeftOut]:
-    """The parabola is off by (a/R)^2 of the circle; a film is strained by depth/thickness."""
+    """Yield small strain: the parabola is off by (a/R)^2 of the circle; a film is strained by depth/thickness."""
     if case.radius:
         ratio = case.half / case.radius
         brief = f"the contact is {number(ratio, 2)} of the punch's radius"
@@ -283,7 +283,7 @@ def _strain(case: SolvedCase) -> Iterator[LeftOut]:
 
 
 def _heat(case: SolvedCase) -> Iterator[LeftOut]:
-    """The solver's own charge of heat: `solver.heat`, docs/heat.md."""
+    """Yield the effect of heat, from the solver's charge of heat (docs/heat.md)."""
     if not np.isfinite(case.charge):
         return
     if case.kind.space:
@@ -322,7 +322,7 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
 
 
 def _pad(case: SolvedCase) -> Iterator[LeftOut]:
-    """The solver's own charge of a pad against that of an electrode without end: the rest falls as thickness/size."""
+    """Yield the end of a pad: its solved charge against an endless electrode's; the difference falls as 1/size."""
     endless = case.solved.get("electrode_charge_per_force")
     if endless is None or "patch_size" in case.factors or case.kind.air:
         return
