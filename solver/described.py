@@ -27,7 +27,7 @@ class Factor:
 
     @property
     def allowed(self) -> str:
-        """Allowed values in words."""
+        """Words for the allowed values, with their unit."""
         text = "a finite number"
         if self.low > float("-inf"):
             text += f" {'>=' if self.low_allowed else '>'} {self.low:g}"
@@ -55,7 +55,7 @@ class Described:
 
     @property
     def attrs(self) -> dict[str, str]:
-        """CF attributes."""
+        """Attributes by the CF conventions."""
         comment = {"comment": self.comment} if self.comment else {}
         return {"units": self.units, "long_name": self.long_name, **comment}
 

@@ -217,9 +217,9 @@ def _symbol(text: str) -> Unit:
         return Unit(scale, tuple(map(Fraction, exponents)))
     for symbol, (scale, exponents) in _SYMBOLS.items():
         if text.endswith(symbol) and text[: -len(symbol)] in _PREFIXES:
-            known = "kg" if symbol == "g" else symbol
+            name = "kg" if symbol == "g" else symbol
             return Unit(
-                scale * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((known, Fraction(1)),)
+                scale * _PREFIXES[text[: -len(symbol)]], tuple(map(Fraction, exponents)), ((name, Fraction(1)),)
             )
     raise ValueError(f"{text!r} is not a unit; known are {', '.join(_SYMBOLS)} with decimal prefixes, and %")
 

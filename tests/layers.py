@@ -29,11 +29,10 @@ solver/surface/ solver/test_contract.py
 surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/
 surrogate/test_contract.py surrogate/transforms/curves/ surrogate/use/
 verification/
-workflow/calculator/test_calculated.py workflow/cli/test_learn.py workflow/dataset/ workflow/design/
-workflow/device/ workflow/learning/ workflow/measured/ workflow/report/test_contact_maps.py
-workflow/report/test_figures.py workflow/report/test_films.py workflow/report/test_firstscreen.py
-workflow/study/test_categories.py workflow/study/test_grouped.py
-workflow/study/test_layered.py workflow/study/test_points.py workflow/study/test_surroundings.py
+workflow/calculator/test_calculated.py workflow/dataset/ workflow/design/
+workflow/device/ workflow/learning/ workflow/measured/
+workflow/report/test_figures.py workflow/report/test_exact.py
+workflow/study/test_bodies.py workflow/study/test_categories.py
 """
 
 

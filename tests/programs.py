@@ -15,15 +15,12 @@ PACKAGES = {
     "chromium": "chromium",
     "gcc": "gcc libc6-dev",
     "node": "nodejs",
-    "ncdump": "netcdf-bin",
-    "nccopy": "netcdf-bin",
+    **dict.fromkeys(("ncdump", "nccopy"), "netcdf-bin"),
     "ncks": "nco",
     "munged": "munge",
     "slurmctld": "slurmctld",
     "slurmd": "slurmd",
-    "sbatch": "slurm-client",
-    "squeue": "slurm-client",
-    "sinfo": "slurm-client",
+    **dict.fromkeys(("sbatch", "squeue", "sinfo"), "slurm-client"),
     "runuser": "util-linux",
 }
 _OTHER_NAMES = {"chromium": ("chromium-browser", "google-chrome")}

@@ -2,7 +2,7 @@
 
 CF 1.11 of every netCDF file by the IOOS compliance checker; all values by Debian's nccopy and nco, where they are
 installed. `make referees` and
-`tests/workflow/test_referees.py` run it, in an environment of its own (requirements/referees.in); it exits with 1 where
+`tests/workflow/test_pipeline.py` run it, in an environment of its own (requirements/referees.in); it exits with 1 where
 a referee finds a fault.
 """
 

@@ -18,9 +18,9 @@ from workflow.run.provenance import ROOT
 PAGE = (ROOT / "docs/names.md").read_text(encoding="utf-8")
 
 
-def rows(header: str) -> dict[str, list[str]]:
+def rows(header: str, page: str = PAGE) -> dict[str, list[str]]:
     """Rows of the table with this first heading, by their first cells."""
-    table = PAGE.split(f"\n| {header} |")[1].split("\n\n")[0].splitlines()[2:]
+    table = page.split(f"\n| {header} |")[1].split("\n\n")[0].splitlines()[2:]
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
     return {row[0].strip("`"): row[1:] for row in cells}
 
@@ -72,9 +72,7 @@ def test_the_table_of_constants_is_the_code_s() -> None:
 def test_the_table_of_alternatives_is_the_solver_s() -> None:
     """Contact width, voltage and charge per force over those of the entry, to two digits."""
     page = (ROOT / "docs/solver.md").read_text(encoding="utf-8")
-    table = page.split("| material | other values | width | voltage | charge |\n")[1].split("\n\n")[0].splitlines()[1:]
-    for line in table:
-        name, _, *cells = (cell.strip() for cell in line.strip("|").split("|"))
+    for name, (_, *cells) in rows("material", page).items():
         material = solver.find(name)
         out = solver.solve({"material": [material, *material.variants()], "radius": 0.05, "load": 1e4, "friction": 0.3})
         width = out["contact_trailing"] + out["contact_leading"]

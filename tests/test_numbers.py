@@ -18,15 +18,20 @@ from solver.face.filmbodies import stack_of
 from solver.face.heat import charged_area, responses
 from solver.halfplane.profile import Profile
 from solver.heat.charge import film_coefficient, film_gap
-from solver.heat.touch import Shape, Spot
+from solver.heat.touch import Shape as SpotShape
+from solver.heat.touch import Spot
 from solver.line import outputs
 from solver.line.contact import FilmContact
 from solver.line.table import table
 from solver.material.punches import punches
+from solver.point.body import Film
+from solver.point.contact import Pressed
+from solver.point.profile import Shape
+from solver.point.table import PointKind
 from solver.stack.layers import Layer, Stack
 from solver.stack.reflection import sideways
 from tests.solver.cases import BTO, tables
-from tests.solver.point.points import film, on_film
+from verification.cases import half_length
 from workflow.language import grammar
 from workflow.language.constants import Meeting
 from workflow.run.provenance import ROOT
@@ -214,7 +219,7 @@ def test_the_field_beyond_a_contact_s_edge_is_as_large_as_stated() -> None:
         values = {str(quantity): float(array) for quantity, array in solved(name, kind).items()}
         stack = stack_of(case)
         half = values.get("contact_radius") or (values["contact_trailing"] + values["contact_leading"]) / 2
-        shape: Shape = "disc" if "contact_radius" in values else "strip"
+        shape: SpotShape = "disc" if "contact_radius" in values else "strip"
         r = half + np.geomspace(1e-9, case["radius"], 4001)
         gap = Spot(shape, half, radius=case["radius"] if kind == "air" else None).gap(r)
         below = np.trapezoid((2 * np.pi * r if shape == "disc" else 2.0) / (1 + gap / film_gap(stack)), r)
@@ -307,7 +312,9 @@ def test_a_ball_on_a_half_space_has_the_stated_figures(material: str) -> None:
 def test_balls_on_films_have_the_stated_figures() -> None:
     radii = np.array([0.2, 1.0, 5.0])
     forces = np.array(stated("$PR/a^3$ [Pa]")) * radii**3
-    grounded = on_film(film(BTO), 2.0, 0.5, forces).grounded
+    kind, conducts = PointKind(Stack([Layer(BTO, 1.0)]), (True, True), Shape(2.0)), np.array([True, True])
+    body, coefficients = Film(kind, np.ones(3)), np.full(3, 0.5)
+    grounded = Pressed(body, kind.scale, coefficients, forces, np.zeros((3, 2)), conducts).grounded
     np.testing.assert_allclose(grounded.radius, radii, rtol=3e-7)
     charge = np.abs(grounded.loads[:, 1]) / forces * 1e12
     np.testing.assert_allclose(charge, stated("size of $T/P$ [pC/N]"), rtol=4e-7)
@@ -343,14 +350,10 @@ def pressed_film(stack: Stack, friction: float = 0.0, load: float = 1e5, charge:
 def thick(material: solver.Material) -> list[float]:
     """Half-length on a film ten half-lengths thick over the half-plane's, less 1: rigid, bonded, grounded base."""
     case = {"material": material, "radius": 0.05, "load": 1e5, "friction": 0.3}
-
-    def half(**film: Any) -> float:
-        answer = solver.solve(case | film)
-        return float(answer["contact_trailing"] + answer["contact_leading"]) / 2
-
-    film = {"thickness": 10 * half(), "surroundings": "insulated"}
+    half = float(half_length(solver.solve(case)))
+    film = {"thickness": 10 * half, "surroundings": "insulated"}
     bases = [{"base": "rigid"}, *({"base": "silicon", "interface_electric": kind} for kind in ("bonded", "grounded"))]
-    return [half(**film, **base) / half() - 1 for base in bases]
+    return [float(half_length(solver.solve(case | film | base))) / half - 1 for base in bases]
 
 
 def said(pattern: str) -> float:

@@ -1,14 +1,11 @@
-"""Measured comparisons of the solver with independent methods.
-
-Each group gives its findings; pytest asserts them and the page of ``make run STUDY=verification`` shows them.
-"""
+"""Comparisons of the solver with independent methods, for pytest and the page of ``make run STUDY=verification``."""
 
 from collections.abc import Callable
 
 from verification import digits, film_elements, films, integral_equations, limits, points
 from verification.findings import Findings, Sizes
 
-#: The groups by name, those of ``workflow.study.model``, in the order of the page.
+#: The groups by their names in ``workflow.study.model``, in the order of the page.
 GROUPS: dict[str, Callable[[Sizes], Findings]] = {
     "limits": limits.run,
     "integral_equations": integral_equations.run,

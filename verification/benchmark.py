@@ -1,7 +1,6 @@
-"""A table of solved problems for other codes: every number by the solver and by a method that shares no code with it.
+"""The table of solved problems in docs/benchmark.md, with every number by the solver and by an independent method.
 
-``python -m verification.benchmark > docs/benchmark.csv`` makes the table anew, in two minutes. The problems
-stand in docs/benchmark.md. A number has the digits that both methods support.
+``python -m verification.benchmark > docs/benchmark.csv`` writes the table in two minutes.
 """
 
 import csv
@@ -28,14 +27,11 @@ from verification.oracles.sample_materials import hexagonal, lithium_niobate, qu
 from verification.oracles.surface_response import surface_response
 
 COLUMNS = ("problem", "quantity", "units", "value", "digits", "first", "second")
-#: Digits that are printed, and that an agreement counts to.
-MOST_DIGITS, COUNTED = 10, 12
+MOST_DIGITS, COUNTED = 10, 12  # printed digits, and digits of an agreement that are counted
 #: Orders of the finite elements: of layers under lines, with air, above an electrode, and under balls.
 LINE_ORDER, AIR_ORDER, ELECTRODE_ORDER, POINT_ORDER = 16, 10, 12, 14
-#: Harmonics of nested punches, and how far the charge in the air is counted, in semi-axes.
-HARMONICS, REACH = 4, 200.0
-#: Terms of the collocation of integral equations.
-TERMS = 12
+HARMONICS, REACH = 4, 200.0  # of nested punches; the reach of the charge in air is in semi-axes
+TERMS = 12  # of the collocation of integral equations
 
 _CLOSED, _GALERKIN = "closed form", "integral equations in Fourier space"
 _DIGITS, _COLLOCATED = "50 digits", "collocation of singular integral equations"
@@ -47,8 +43,7 @@ _LINE: Case = {"material": "PZT-4", "thickness": 1e-4, "base": "rigid", "radius"
 _BALL: Case = {"profile": "sphere", "surroundings": "insulated", "magnetic": "insulating"}
 
 
-#: Answers of a method by name.
-Answers = Mapping[str, Any] | xr.Dataset
+Answers = Mapping[str, Any] | xr.Dataset  # of a method, by quantity
 
 
 @dataclass(frozen=True)
@@ -67,29 +62,23 @@ class Number:
 
     @property
     def text(self) -> str:
-        """The first method's value with the digits that the second supports."""
+        """The first method's value with the digits to which both agree."""
         return f"{self.first:.{min(MOST_DIGITS, max(self.digits, 1)) - 1}e}"
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One problem: the two methods, and how to find its numbers."""
+    """One problem: the two methods and the function that computes its numbers."""
 
     name: str
     methods: tuple[str, str]
     numbers: Callable[[], list[Number]]
 
     def rows(self) -> Iterator[dict[str, str]]:
-        """Rows of the table."""
+        """Yield the problem's rows of the table."""
         for number in self.numbers():
-            values = (
-                self.name,
-                number.quantity,
-                units(number.quantity),
-                number.text,
-                str(number.digits),
-                *self.methods,
-            )
+            quantity = number.quantity
+            values = (self.name, quantity, units(quantity), number.text, str(number.digits), *self.methods)
             yield dict(zip(COLUMNS, values, strict=True))
 
 
@@ -127,20 +116,20 @@ def film(case: Case, half: float, order: int = LINE_ORDER) -> list[Number]:
     computed = {"load": contact.load}
     if loaded.get("friction"):
         computed["contact_trailing"] = contact.half_length + contact.centre
-    if loaded["base"] == "rigid":  # on a half-plane it depends on where it is measured from
+    if loaded["base"] == "rigid":  # on a half-plane the depth depends on its datum
         computed["depth"] = contact.depth
     computed |= {name: contact.potential(number) for name, number in POTENTIALS.items() if name in solved}
     return _paired(solved.assign(load=loaded["load"]), computed, computed)
 
 
 def _pressed(case: Case, load: str, size: float) -> float:
-    """Load or force at which the half-length or radius of the contact has a size [m]."""
+    """Return the load or force at which the half-length or radius of the contact has a size [m]."""
 
     def excess(logarithm: float) -> float:
         solved = solver.solve(case | {load: float(np.exp(logarithm))})
         return float(half_length(solved) if load == "load" else solved["contact_radius"]) / size - 1
 
-    first = np.log({"load": 1e3, "force": 1e-3}[load])  # tables of contacts far longer would take their time
+    first = np.log({"load": 1e3, "force": 1e-3}[load])  # small, since tables of long contacts take more time
     step = -np.copysign(np.log(3), excess(first))
     while np.sign(excess(first + step)) == np.sign(-step):
         first += step
@@ -163,7 +152,7 @@ def strips() -> list[Number]:
     x, weights = np.polynomial.legendre.leggauss(40)
 
     def strip(middle: float) -> float:
-        """Charge of a strip per load: the jump of D_y over the electrode."""
+        """Return the charge of a strip per load, from the jump of D_y over the electrode."""
         above, below = (
             other.fields((middle + size / 2 * x) / half, thin, layer)["electric_displacement_y"] for layer in (0, 1)
         )
@@ -246,10 +235,10 @@ def ellipsoid_on_quartz() -> list[Number]:
 
 
 def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -> dict[str, float]:
-    """A grounded punch of gap (x^2 curvatures[0] + y^2 curvatures[1])/2 on a half-space without field outside.
+    """Solve a grounded punch of gap (x^2 curvatures[0] + y^2 curvatures[1])/2 on a half-space, no field outside it.
 
     On the ellipse x = A xi, pressure p (1 - |xi|^2)^(1/2) and charge density (q + xi.Q xi) (1 - |xi|^2)^(-1/2) have
-    Radon transforms that are polynomials. So are displacement and potential, where the response Y to a wave is real.
+    polynomials as Radon transforms. If the response Y to waves is real, displacement and potential are polynomials too.
     """
     angles = np.linspace(0.0, np.pi, 64, endpoint=False)  # Y(theta + pi) = Y(theta)
     response = body.multiplier(np.array([np.inf]), angles)[0][:, [[NORMAL], [PHI]], [NORMAL, PHI]].real
@@ -258,7 +247,7 @@ def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -
     totals = 2 * np.pi * np.array([1.0, 1 / 3, 0.0, 1 / 3])  # integrals of these densities
 
     def fields(shape: Array) -> tuple[Array, float, Array, Array, Array]:
-        """A, peak pressure, density of D_z, and polynomials of u_z and of the gap between the punch and its apex."""
+        """Return A, peak pressure, density of D_z, polynomials of u_z and of the punch's height over its apex."""
         axes = shape[[[0, 2], [2, 1]]]
         width = np.hypot(*(axes.T @ normals))
         c, s = axes.T @ normals / width
@@ -275,7 +264,7 @@ def elliptic(body: SurfaceBody, curvatures: tuple[float, float], force: float) -
         return axes, peak, density, whole[0, 1] @ density - whole[0, 0] @ quadratic * peak, heights
 
     def misfit(shape: Array) -> Array:
-        """Curvatures of the surface that the punch lacks, over one of them."""
+        """Return the differences of the curvatures of surface and punch, over one of the punch's, (3,)."""
         *_, lowered, heights = fields(shape * size)
         return np.asarray((lowered - heights)[1:] / heights[1])
 

@@ -12,14 +12,14 @@ from verification.oracles.half_plane import CONSTANTS
 Array = NDArray[np.float64]
 Case = dict[str, Any]
 SIH_SONG = "BaTiO3-CoFe2O4 50:50"
-#: A case with every term at work: friction, both charges, a datum that is not one.
+#: A case in which every term matters: friction, both charges, a datum other than 1 m.
 CHARGED: Case = {
     "radius": 0.05, "load": 1e5, "friction": 0.3, "charge": 1e-6, "magnetic_charge": -2e-3, "datum": 0.2
 }  # fmt: skip
 
 
 def half_length(solved: xr.Dataset) -> Array:
-    """(a + b)/2 [m]."""
+    """Half-length (a + b)/2 of a solved contact [m]."""
     return np.asarray(solved.contact_trailing + solved.contact_leading) / 2
 
 

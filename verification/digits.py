@@ -1,4 +1,4 @@
-"""Every quantity and field against the 50-digit evaluation: random cases, and the extremes."""
+"""Every quantity and field of random and extreme cases against an evaluation in 50 digits."""
 
 import numpy as np
 from mpmath import isnan
@@ -58,7 +58,7 @@ def _extremes() -> dict[str, Case]:
 
 
 def _random(random: np.random.Generator) -> Case:
-    """A case over the wide ranges that the solver is for."""
+    """Return a random case from the wide ranges of the solver's inputs."""
     electric, magnetic = (str(kind) for kind in random.choice(_KINDS, 2, p=(0.7, 0.3)))
     load = float(10 ** random.uniform(1, 6))
     return {

@@ -1,4 +1,4 @@
-"""Films against spectral finite elements of the whole coupled contact, which find its edges as well, and in air."""
+"""Films, in air too, against spectral finite elements of the whole coupled contact, edges included."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ CASES: dict[str, Case] = {
         **PUNCH, "body": STACK, "friction": 0.3, "charge": 1e-5,
     },
 }  # fmt: skip
-#: Films with air beside the contact, which the elements have as a gap.
+#: Films in air, which the elements model as a gap outside the contact.
 SLIDING: Case = {
     "material": "PZT-4", "thickness": 2e-4, "base": "steel", "radius": 0.05, "load": 2e4, "friction": 0.3,
     "charge": 1e-7, "magnetic": "insulating", "surroundings": "air",
@@ -154,7 +154,7 @@ def elements(case: Case, half: float, order: int) -> FilmContact:
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A case by both methods; what is compared, by the elements and by the solver."""
+    """A case by both methods; each comparison returns the elements' and the solver's values."""
 
     case: Case
     solution: xr.Dataset  # Quantities of the solver
@@ -162,13 +162,13 @@ class Compared:
 
     @property
     def compared(self) -> Mapping[str, tuple[str, float]]:
-        """Words of each compared quantity, and its tolerance at order 10."""
+        """Description of each compared quantity, and its tolerance at order 10."""
         if not self.contact.permittivity:
             return COMPARED
         return COMPARED_IN_AIR if self.contact.punch.elastic else COMPARED_IN_AIR | FIELDS_IN_AIR
 
     def error(self, what: str) -> float:
-        """Largest error of one of those that are compared."""
+        """Return the largest error of a compared quantity."""
         computed, expected = getattr(self, what)
         return max(off(computed[name], value) for name, value in expected.items())
 
@@ -205,7 +205,7 @@ class Compared:
 
     @property
     def response(self) -> tuple[Answers, Answers]:
-        """Depth and potentials; psi over an insulated base is seen from a place of its own and left out."""
+        """Depth and potentials; psi over an insulated base has another reference and is left out."""
         computed = {"depth": np.array(self.contact.depth)}
         for name, number in self._potentials.items():
             if (name, self.case.get("interface_magnetic")) != ("magnetic_potential", "insulated"):
@@ -221,7 +221,7 @@ class Compared:
 
     @property
     def surface(self) -> tuple[Answers, Answers]:
-        """Tractions below the punch and the stress beside it."""
+        """Tractions under the punch, and the stress outside the contact."""
         below, exterior = self.contact.fields(X, 0.0), self.contact.fields(BESIDE, 0.0)
         solved, solved_exterior = solver.solve(self.case, X), solver.solve(self.case, BESIDE)
         computed = {"contact_pressure": -below["stress_yy"], **{name: below[name] for name in FLUXES}}
@@ -253,7 +253,7 @@ class Compared:
 
     @property
     def beside(self) -> tuple[Answers, Answers]:
-        """Potential of the surface beside the contact, and the voltage, which it is compared with."""
+        """Potential of the surface outside the contact, and the voltage that its error is relative to."""
         place, phi = self.contact.exterior(ELECTRIC)
         compared = np.flatnonzero((np.abs(place) > _IN_AIR[0]) & (np.abs(place) < _IN_AIR[1]))[::5]
         inside = solver.solve_interior(self.case, place[compared], [0.0], fields=["electric_potential"])
@@ -263,10 +263,10 @@ class Compared:
 
     @property
     def _potentials(self) -> dict[str, int]:
-        """Numbers of the potentials that the punch makes uniform, by name."""
+        """Return the numbers of the potentials that the punch makes uniform, by name."""
         return {name: number for name, number in POTENTIALS.items() if number in self.contact.punch.conducted}
 
 
 def _by_unit(fields: Answers) -> Answers:
-    """Fields of one unit together, so that small ones count by the large."""
+    """Join fields of one unit, so that errors of small ones are relative to the large ones."""
     return {unit: np.stack([fields[name] for name in names]) for unit, names in _BY_UNIT.items()}

@@ -38,7 +38,7 @@ FINER = 1.5  # times as many terms
 
 
 def run(_: Sizes) -> Findings:
-    """All of them."""
+    """Return the findings on films."""
     compared = "every quantity of a film of its own base, four kinds of conduction, and of the half-plane"
     checks = [
         *(check(f"Film of its own base: {name}", compared, 1e-11, _own_base, case) for name, case in PROFILES.items()),
@@ -63,7 +63,7 @@ def run(_: Sizes) -> Findings:
 
 
 def _own_base(punch: Case) -> float:
-    """Largest relative difference of a quantity of the half-plane, and of a film of the same material on it."""
+    """Largest relative difference between the half-plane and a film of the same material on it."""
     worst = 0.0
     for fields in ((), ("electric",), ("magnetic",), ("electric", "magnetic")):
         case = {**CHARGED, **punch, "material": SIH_SONG}
@@ -79,14 +79,14 @@ def _own_base(punch: Case) -> float:
 
 
 def _thick(base: Case, expected: tuple[float, float]) -> float:
-    """Largest relative error of how much shorter films of 10 and 100 half-lengths make the contact."""
+    """Largest relative error of the shortening of the contact by films of 10 and 100 half-lengths."""
     half = half_length(solver.solve(COMPOSITE))
     films = (solver.solve(COMPOSITE | base | {"thickness": ratio * half}) for ratio in (10.0, 100.0))
     return off_each([half_length(film) / half - 1 for film in films], expected)
 
 
 def _uniaxial() -> float:
-    """Error of the load of a thin film of BaTiO3 on a rigid base, under a punch that takes no charge anywhere."""
+    """Error of the load of a thin film of BaTiO3 on a rigid base, under an insulating punch."""
     material = solver.find("BaTiO3")
     expected = 2 / 3 * float(material.c33 + material.e33**2 / material.eps33)
     case = {"material": material, "electric": "insulating", "magnetic": "insulating"}
@@ -110,7 +110,7 @@ def _incompressible() -> float:
 
 
 def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
-    """h/h1 of a film on a rigid base without friction at values of P R/h1^2 [Pa], and the solutions."""
+    """Return h/h1 of a film on a rigid base without friction at values of P R/h1^2 [Pa], and the solutions."""
     loads = [share * THIN**2 / 0.05 for share in scaled]
     solved = solver.solve(
         {"radius": 0.05, "base": "rigid", "surroundings": "insulated", "thickness": THIN, "load": loads, **case}
@@ -119,7 +119,7 @@ def _thin(case: Case, scaled: list[float]) -> tuple[Array, xr.Dataset]:
 
 
 def _limit(ratios: Array, values: Array) -> float:
-    """Limit at h1/h = 0 of a polynomial in it."""
+    """Return the limit at h1/h = 0 of a polynomial in h1/h through the values."""
     return float(np.polyfit(1 / ratios, values, len(values) - 1)[-1])
 
 
@@ -166,7 +166,7 @@ def _systems() -> dict[str, tuple[Stack, float]]:
 
 
 def _resolved() -> tuple[list[Check], list[Curve]]:
-    """Errors of outputs at the default resolution over half-lengths, and the load's as curves."""
+    """Return the errors of outputs at the default resolution over half-lengths, and curves of the load's error."""
     kinds = {
         "load": (slice(0, 1), 1e-8),
         "depth, potentials": (outputs.DISPLACEMENT, 1e-8),
@@ -191,7 +191,7 @@ def _resolved() -> tuple[list[Check], list[Curve]]:
 
 
 def _errors(stack: Stack, friction: float) -> Array:
-    """Largest error of each output by every cause, over its largest; at every one of ``RATIOS``, (ratio, output)."""
+    """Return each output's largest error for every cause, over its largest value, at ``RATIOS``: (ratio, output)."""
     sliding = Sliding(HalfPlane(stack.top.material), np.array(friction), np.array([True, True]))
     span = kernel(stack, 2.01 * RATIOS[-1] * stack.top.thickness)
     coarse, fine = (at(System(span, sliding, (True, True), 1, accuracy), RATIOS) for accuracy in (1.0, FINER))

@@ -14,25 +14,23 @@ _NOTHING = 1e-60  # smaller values are zero to the 50-digit oracle
 
 @dataclass(frozen=True)
 class Sizes:
-    """Amount of work: the page and the tests differ in it."""
+    """Amount of work, which differs between the page and the tests."""
 
-    cases: int = 12  # Random cases in 50 digits
-    elements: int = 24  # A sixth and two more is the highest order of the polynomials of finite elements
-    timed: int = 4096  # Cases of the closed form that are timed at once; 0: nothing is timed
-    seed: int = 1  # Of the random cases
+    cases: int = 12  # random cases in 50 digits
+    elements: int = 24  # the highest order of finite elements is a sixth of it plus two
+    timed: int = 4096  # cases of the closed form that are timed at once; 0: no timing
+    seed: int = 1  # of the random cases
 
 
 @dataclass(frozen=True)
 class Check:
     """One comparison."""
 
-    # What is checked; the found and the expected
     name: str
-    compared: str
-    # The measured error and the largest that passes
+    compared: str  # description of the compared values
     error: float
     tolerance: float
-    seconds: float  # Time that it took
+    seconds: float  # duration of the check
 
     @property
     def passed(self) -> bool:
@@ -53,7 +51,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds a case by both ways, at equal accuracy."""
+    """Seconds per case by both methods, at equal accuracy."""
 
     name: str
     error: float
@@ -82,20 +80,20 @@ class Findings:
 
 
 def check(name: str, compared: str, tolerance: float, error: Callable[..., float], *arguments: Any) -> Check:
-    """Measure one error and its time."""
+    """Return a check with the error that a function returns, and its duration."""
     start = perf_counter()
     measured = float(error(*arguments))
     return Check(name, compared, measured, tolerance, perf_counter() - start)
 
 
 def off(computed: ArrayLike, expected: ArrayLike) -> float:
-    """Largest difference over the largest expected size; itself where nothing is expected."""
+    """Return the largest difference over the largest expected size, or the difference if zero is expected."""
     computed, expected = np.asarray(computed, dtype=float), np.asarray(expected, dtype=float)
     size = float(np.max(np.abs(expected)))
     return float(np.max(np.abs(computed - expected))) / (size or 1.0)
 
 
 def off_each(computed: ArrayLike, expected: ArrayLike) -> float:
-    """Largest difference of a value over its own expected size."""
+    """Return the largest difference of a value over its expected size."""
     computed, expected = np.asarray(computed, dtype=float), np.asarray(expected, dtype=float)
     return float(np.max(np.abs(computed - expected) / np.maximum(np.abs(expected), _NOTHING)))

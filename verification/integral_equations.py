@@ -22,7 +22,7 @@ TOLERANCE = 1e-8
 
 
 def _polynomial(*slope: float) -> solver.Profile:
-    """A punch without corners, of a slope in ascending powers of x."""
+    """Return a punch without corners whose slope has the given coefficients, in ascending powers of x."""
     return solver.Profile(tuple(map(np.array, slope)), (True, True))
 
 
@@ -55,7 +55,7 @@ _TIMED = 10  # solutions by collocation of each punch
 
 
 def run(sizes: Sizes) -> Findings:
-    """All punches and conductions at 8 terms, convergence, and times where they are asked for."""
+    """Return findings for all punches and conductions at 8 terms, convergence and, if requested, times."""
     surface = surface_response(constants(solver.find(SIH_SONG)))
     compared = "ends, response and all surface fields; collocation with 8 terms"
     checks: list[Check] = [
@@ -91,7 +91,7 @@ def run(sizes: Sizes) -> Findings:
 
 
 def case_of(name: str, conducted: tuple[int, ...] = (1, 2)) -> Case:
-    """Charged punch of a name on a magneto-electro-elastic half-plane."""
+    """Return the case of a named, charged punch on a magneto-electro-elastic half-plane."""
     case = {"material": SIH_SONG, **PUNCHES[name][0], **LOADS}
     for i, field, charge in ((1, "electric", "charge"), (2, "magnetic", "magnetic_charge")):
         if i not in conducted:
@@ -169,11 +169,8 @@ def _circle(surface: SurfaceResponse) -> list[float]:
 
 
 def _timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
-    """Seconds a case with ends, response and surface fields at the same places, at the same accuracy.
-
-    The collocation has as few terms as 1e-8 needs, and gets the constants of the half-plane for nothing; the closed
-    form finds them anew in every call.
-    """
+    """Return seconds per case with ends, response and surface fields at the same places and accuracy."""
+    # the collocation gets the constants of the half-plane, which the closed form computes in every call
     terms = next(n for n in range(3, 9) if error(name, (1, 2), n, surface) <= TOLERANCE)
     random = np.random.default_rng(sizes.seed)
     varied = {
@@ -198,7 +195,7 @@ def _timing(name: str, surface: SurfaceResponse, sizes: Sizes) -> Timing:
 
 
 def _seconds(calls: Sequence[Callable[[], object]]) -> float:
-    """Time of some calls, one after the other."""
+    """Return the time of successive calls [s]."""
     start = perf_counter()
     for call in calls:
         call()

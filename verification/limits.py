@@ -16,7 +16,7 @@ INSIDE = np.abs(X) < 1
 STEEL = (200e9, 0.3)
 PUNCH = {"radius": 0.05, "load": 1e5}
 POTENTIALS = ("voltage", "magnetic_potential")
-#: By the field that is left (1 electric, 2 magnetic): constants that vanish, those that must not matter, the charge.
+#: By the remaining field (1 electric, 2 magnetic): constants that vanish, constants without influence, the charge.
 _UNCOUPLED: dict[int, tuple[tuple[str, ...], tuple[str, ...], dict[str, float]]] = {
     1: (("f31", "f33", "f15", "g11", "g33"), ("mu11", "mu33"), {"charge": 1e-6}),
     2: (("e31", "e33", "e15", "g11", "g33"), ("eps11", "eps33"), {"magnetic_charge": -2e-3}),
@@ -105,15 +105,15 @@ def _flat(friction: float) -> float:
 
 
 def _unitless(values: Array) -> Array:
-    """N or k with potentials in 1e10 V and 1e8 A: numbers of one size."""
+    """Return N or k with potentials in 1e10 V and 1e8 A, so that all numbers are of one size."""
     scale = 1 / np.array([1.0, 1e10, 1e8])
     return scale[:, None] * values * scale if values.ndim == 2 else (scale * values)[:, None]
 
 
 def _uncoupled(field: int) -> float:
-    """Error of a material without the coupling of the other field against the smaller problem; that field's answer.
+    """Return the error of a material coupled to one field only against the problem of that field.
 
-    The other field must not answer at all, and its constants must not matter.
+    It includes the answer of the other field, which must vanish, and the influence of that field's constants.
     """
     zero, other, charge = _UNCOUPLED[field]
     m = constants(solver.find(SIH_SONG)) | dict.fromkeys(zero, 0.0)
@@ -135,7 +135,7 @@ def _uncoupled(field: int) -> float:
 
 
 def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:
-    """N and k over (y, one potential) by angular integrals of the problem of three unknowns."""
+    """Return N and k over (y, one potential) by angular integrals of the problem of three unknowns."""
     keep = [0, 1, 1 + field]
     full = surface_response(m)
     units = np.array([1.0, 1.0, (1e10, 1e8)[field - 1]])
@@ -146,7 +146,7 @@ def _smaller(m: dict[str, float], field: int) -> tuple[Array, Array]:
 
 
 def _reciprocity() -> list[Check]:
-    """Betti: without friction the depth per charge is minus the voltage per load; of both fields."""
+    """Return checks of Betti's law for both fields: without friction, depth per charge is minus voltage per load."""
     case = {"material": SIH_SONG, **PUNCH}
     still = solver.solve(case)
 

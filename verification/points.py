@@ -21,7 +21,7 @@ _BALL: Case = {"profile": "sphere", "radius": 5e-3}
 _CONE: Case = {"profile": "cone", "slope": 0.05}
 _DISC: Case = {"profile": "disc", "width": 1e-4}
 _POWER: Case = {"profile": "power", "exponent": 4.0, "coefficient": 1e9}
-#: Exponent and coefficient of each, as the oracle in 50 digits has them.
+#: Exponent and coefficient of each profile, in 50 digits.
 PROFILES: tuple[tuple[Case, float, float], ...] = (
     (_BALL, 2.0, 100.0),
     (_CONE, 1.0, 0.05),
@@ -43,7 +43,7 @@ _TENSE = ("stress_xx", "stress_yy", "stress_zz")
 
 
 def run(sizes: Sizes) -> Findings:
-    """All that is known of points."""
+    """Return the findings on point contacts."""
     orders = range(4, max(7, 3 + sizes.elements // 6), 2)
     checks = [
         check("Hertz, sphere", "radius, depth, largest pressure and pressure", 1e-13, _hertz),
@@ -118,7 +118,7 @@ def _hamilton() -> float:
 
 
 def precise(case: Case, exponent: float, coefficient: float) -> tuple[xr.Dataset, dict[str, float]]:
-    """Charged half-space under coefficient r^exponent by the solver and in 50 digits."""
+    """Return a charged half-space under coefficient r^exponent by the solver and in 50 digits."""
     charges, half_space = {"total_charge": 3e-10, "total_flux": -2e-8}, "BaTiO3-CoFe2O4 50:50"
     exact = point.quantities(
         constants(solver.find(half_space)), exponent=exponent, coefficient=coefficient, force=10.0,
@@ -155,7 +155,7 @@ def _hayes() -> float:
 
 
 def hayes(poisson: float, ratio: float, points: int = 80) -> float:
-    """Stiffness of a disc on a bonded elastic layer over that on a half-space, at a radius of `ratio` thicknesses.
+    """Return the stiffness of a disc of `ratio` layer thicknesses on a bonded elastic layer over that on a half-space.
 
     f(x) + (1/pi) int_0^1 f(s) [K(x + s) + K(x - s)] ds = 1, K(u) = ratio int_0^inf (M(k) - 1) cos(ratio k u) dk with M
     the layer's compliance over the half-space's; the ratio is the integral of f.
@@ -175,7 +175,7 @@ def hayes(poisson: float, ratio: float, points: int = 80) -> float:
 
 
 def _thin() -> float:
-    """Largest relative error of both limits, what goes like h/a taken off by two radii, (h/a)^2 left."""
+    """Largest relative error of both limits, extrapolated from two radii to an error of (h/a)^2."""
     body, h, R, ratios = solver.find("PZT-4"), 1e-4, 10.0, np.array([20.0, 40.0])
     film: Case = {"profile": "sphere", "radius": R, "thickness": h, "base": "rigid"} | _INSULATED
     forces = np.pi / 4 * float(_BODY.c33) * (ratios * h) ** 4 / (R * h)
@@ -206,10 +206,10 @@ def _fixed_edge() -> float:
 
 
 def _tangents() -> float:
-    """Relative difference of stroke per volt and stiffness and what solutions beside each other differ by.
+    """Relative difference of stroke per volt and stiffness from differences of neighbouring solutions.
 
-    On films the edge of a conductor is singular at V = 0 too and moves: what it releases is no work of the force, so
-    that the slopes of charge over force and of depth over voltage differ, by some percent.
+    On films the edge of a conductor is singular at V = 0 too and moves. The energy that it releases is no work of the
+    force, so that the slopes of charge over force and of depth over voltage differ by some percent.
     """
     weights, steps = np.array([1, -8, 8, -1]) / 12, np.array([-2, -1, 1, 2]) * 1e-3
     case, charge = _FILM | {"base": "silicon"}, 1e-9
@@ -241,7 +241,7 @@ def sliding(thickness: float, reach: float) -> float:
 
 
 def by_elements(case: Case, order: int) -> tuple[xr.Dataset, PointContact]:
-    """Charged ball on a film by the solver, and by elements of an order at the solver's radius."""
+    """Return a charged ball on a film by the solver, and by elements of an order at the solver's radius."""
     solved, composite = solver.solve(case), "scandium_fraction" in case
     material = (
         solver.aluminium_scandium_nitride(case["scandium_fraction"]) if composite else solver.find(case["material"])

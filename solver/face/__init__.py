@@ -1,1 +1,1 @@
-"""The labelled face: named factors in, arrays with names and units out (``solve``, ``solve_interior``)."""
+"""The labelled face of the solver, from named factors to arrays with names and units."""

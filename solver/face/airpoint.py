@@ -18,7 +18,7 @@ _CARRIED = ("electric_displacement", "magnetic_induction")
 
 
 class _InAir(OnPoints):
-    """Points on half-spaces or films with air beside them."""
+    """Contacts at points of half-spaces or films with air beside them."""
 
     def quantities(self) -> dict[str, Array]:
         """Quantities of the kind that every case has, to the first order in friction; (...)."""
@@ -60,8 +60,8 @@ class _InAir(OnPoints):
 
 
 class HalfSpaceInAir(_InAir, OnHalfSpace):
-    """Points on half-spaces with air beside them."""
+    """Contacts at points of half-spaces with air beside them."""
 
 
 class PointFilmInAir(_InAir, OnPointFilm):
-    """Points on films with air beside them."""
+    """Contacts at points of films with air beside them."""

@@ -49,7 +49,7 @@ def stack_of(
 def _graded(
     case: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str | Material]
 ) -> list[Material]:
-    """Materials of the sublayers of a graded film, from the surface down."""
+    """Return the materials of the sublayers of a graded film, from the surface down."""
     kind, lowest = str(case.get("composite", CHOICES["composite"][0])), float(case["base_volume_fraction"])
     if kind not in MIXTURES:
         raise FactorError(f"base_volume_fraction: {lowest:g} of a composite that has no volume_fraction")

@@ -266,16 +266,14 @@ class OnPointFilm(OnPoints):
             film = bodies.films[int(body_number)]
             if metal := film.electroded or film.conductors[0]:
                 refuse_charge(self.cases)
-            held = bool(electric) and not metal, bool(magnetic)
+            conducting = bool(electric) and not metal, bool(magnetic)
             for group, shape, coefficient in self._by_exponent(np.flatnonzero(which == number)):
-                kind = PointKind(film, held, shape, punch)
-                body = Film(kind, thickness[group])
-                part_of_reading = None if reading is None else reading.part(group)
-                friction = self._friction_of(kind, group, coupling)
-                loads = self._loads(group)
-                pressed.append(
-                    (group, Pressed(body, kind.scale, coefficient, *loads, np.array(held), part_of_reading, friction))
-                )
+                kind = PointKind(film, conducting, shape, punch)
+                contact = Pressed(
+                    Film(kind, thickness[group]), kind.scale, coefficient, *self._loads(group), np.array(conducting),
+                    None if reading is None else reading.part(group), self._friction_of(kind, group, coupling),
+                )  # fmt: skip
+                pressed.append((group, contact))
         return pressed
 
     def _friction_of(self, kind: PointKind, index: Indices, punch: float) -> Friction | None:

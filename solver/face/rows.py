@@ -32,8 +32,8 @@ def by_name(factors: Factors) -> dict[str, Any]:
     if isinstance(factors, xr.Dataset):
         return {str(name): values for name, values in (*factors.data_vars.items(), *factors.coords.items())}
     table = _table(factors)
-    alone = factors if isinstance(factors, Mapping | pd.Series) else {}
-    return dict(alone) | ({} if table is None else _columns(table))
+    scalars = factors if isinstance(factors, Mapping | pd.Series) else {}
+    return dict(scalars) | ({} if table is None else _columns(table))
 
 
 def of_kinds(factors: Factors) -> list[tuple[Indices, dict[str, Any]]]:
@@ -48,10 +48,10 @@ def of_kinds(factors: Factors) -> list[tuple[Indices, dict[str, Any]]]:
     if not np.any(lacking != lacking[:1]):
         return []
     patterns, which = np.unique(lacking, axis=0, return_inverse=True)
-    alone = dict(factors) if isinstance(factors, Mapping) else {}
+    scalars = dict(factors) if isinstance(factors, Mapping) else {}
     groups = [np.flatnonzero(which.ravel() == number) for number in range(len(patterns))]
     return [
-        (rows, alone | _columns(table.iloc[rows].loc[:, ~pattern].infer_objects()))
+        (rows, scalars | _columns(table.iloc[rows].loc[:, ~pattern].infer_objects()))
         for rows, pattern in zip(groups, patterns, strict=True)
     ]
 
@@ -161,8 +161,8 @@ def _scaled(heading: str, cells: NDArray[Any], unit: str, si: str) -> NDArray[An
 def _times(values: NDArray[Any], scale: float) -> NDArray[Any]:
     """Multiply values by a scale, or divide by a whole divisor, so that 20 um are 2e-5 m to the last bit."""
     divisor = round(1 / scale)
-    whole = scale < 1 and np.isclose(scale * divisor, 1, rtol=1e-15, atol=0)
-    return np.asarray(values / divisor if whole else values * scale)
+    is_whole = scale < 1 and np.isclose(scale * divisor, 1, rtol=1e-15, atol=0)
+    return np.asarray(values / divisor if is_whole else values * scale)
 
 
 def _cells(column: pd.Series) -> NDArray[Any]:

@@ -1,4 +1,4 @@
-"""The labelled face of the solver: named factors in, an ``xarray.Dataset`` with units out."""
+"""The public functions of the solver, from named factors to an ``xarray.Dataset`` with units."""
 
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence

@@ -27,7 +27,7 @@ class Excess:
 
     @property
     def share(self) -> float:
-        """Size over its reference."""
+        """Ratio of the size to its reference."""
         return self.size / self.reference
 
     def __str__(self) -> str:

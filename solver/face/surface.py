@@ -176,9 +176,7 @@ class _Contact:
         if self._metallic:
             return {name: out[name] for name in _MECHANICAL if name in out}
         if self._stack is not None:
-            above = [bool(held) for held in self._stack.grounded].index(True) + 1 if any(self._stack.grounded) else None
-            thickness = sum(layer.thickness for layer in self._stack.layers[:above])
-            out["nominal_field"] = abs(out["voltage"]) / thickness
+            out["nominal_field"] = abs(out["voltage"]) / (self._stack.above_ground * self._stack.top.thickness)
         return {name: value for name, value in out.items() if name in self.case.kind.quantities}
 
     def along_x(self, positions: Array) -> dict[str, Array]:
@@ -255,8 +253,8 @@ class _Contact:
             body = SurfaceBody((), material.stiffness_tensor())
         else:
             layers = [
-                SurfaceLayer(layer.material.stiffness_tensor(), layer.thickness, 2 in held, metal)
-                for layer, held, metal in zip(stack.layers, stack.grounded, stack.conductors, strict=False)
+                SurfaceLayer(layer.material.stiffness_tensor(), layer.thickness, 2 in components, metal)
+                for layer, components, metal in zip(stack.layers, stack.grounded, stack.conductors, strict=False)
             ]
             base = None if isinstance(stack.base, str) else stack.base.stiffness_tensor()
             body = SurfaceBody(layers, base, stack.conductors[-1])

@@ -70,13 +70,9 @@ class LineStates(GapStates):
         by_first[:, 0, 0] = over_load * rows[:, LOAD]
         by_first[:, 1, 0], by_first[:, 1, 1] = extent.constant_by_width, extent.constant_by_centre
         by_first[:, _EXTENT, _EXTENT] = by_first[:, _EXTENT + 1, _EXTENT + 1] = 1.0
-        slopes = np.concatenate(
-            [
-                np.stack([extent.constant, extent.constant_by_width, extent.constant_by_centre])[..., None],
-                np.stack([extent.values, extent.by_width, extent.by_centre])[..., :-2],
-            ],
-            2,
-        )
+        constants = np.stack([extent.constant, extent.constant_by_width, extent.constant_by_centre])
+        powers = np.stack([extent.values, extent.by_width, extent.by_centre])[..., :-2]
+        slopes = np.concatenate([constants[..., None], powers], 2)
         profile, size = slopes @ self.table.powers.T, self.table.size
         profile_rates = np.zeros((count, profile.shape[2], first))
         profile_rates[..., :_EXTENT] = np.moveaxis(profile[1:], 0, 2)

@@ -88,14 +88,14 @@ class PointStates(GapStates):
             by_outputs[:, 2 + charge, 1 + charge] = 1.0
             by_first[:, 2 + charge, 0] = (e + 1) * rows[:, 1 + charge]
         profile = np.broadcast_to(self.operators.profile, (count, layout.nodes))
-        per_potential = self.thinned / (self.rings.size * profile) * (self.radius / self.size)[:, None]
+        per_potential = self.end_factor / (self.rings.size * profile) * (self.radius / self.size)[:, None]
         displacement = np.abs(self.displacement)
         causes = np.maximum(displacement, 1e-3 * np.max(displacement, 1, keepdims=True))
         largest = np.max(np.abs(self.over_size), 2, initial=1e-300)
         largest = np.maximum(largest, (1e-3 * self.force / load)[:, None])
         return Terms(
             Linear(head, by_first, by_outputs), Linear(profile, np.zeros((count, layout.nodes, first))), profile,
-            self.media[..., None] * per_potential[:, None], 1 - e - 2 * (1 - self.thinned),
+            self.media[..., None] * per_potential[:, None], 1 - e - 2 * (1 - self.end_factor),
             np.concatenate([np.ones((count, 1)), causes, np.repeat(largest, layout.nodes, 1)], 1),
         )  # fmt: skip
 
@@ -116,7 +116,7 @@ class PointStates(GapStates):
         return right, np.zeros((load.size, count))
 
     @cached_property
-    def thinned(self) -> Array:
+    def end_factor(self) -> Array:
         """Factor 1/(1 + r^2/end^2) by which the finite punch weakens the gap's field; (case, n)."""
         return 1 / (1 + (self.rings.grid.distance * (self.radius / self.end)[:, None]) ** 2)
 

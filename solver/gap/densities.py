@@ -1,7 +1,5 @@
 """Integrals of a stack's kernels against charges on the right side of a contact."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from solver.arrays import Array, BoolArray
@@ -14,40 +12,33 @@ from solver.stack.reflection import low
 _DIGITS = 30.0  # exponent of the interpolation error between Chebyshev points: below rounding
 
 
-@dataclass(frozen=True, eq=False)
-class Densities:
-    """Densities of the right side on one stack."""
+def integrals(kernel: Kernel, grid: Grid, h: float, X: Array, mix: Array) -> Array:
+    """Integrals of kernel sums ``mix`` (19, c) against the densities, at targets X (target,); (target, c, n)."""
+    # one rule serves all targets where the kernel is smooth; elsewhere intervals end where the kernel's panels do
+    rules, rough = grid.rules, grid.rough_at(X, kernel.smoothness / h)
+    target, interval = np.nonzero(~rough)
+    values = np.zeros((rules.panel.size, X.size, RULE, mix.shape[1]))
+    values[interval, target] = far(kernel, h * (X[target, None] - np.cosh(rules.theta[interval])), mix)
+    parts = np.swapaxes(values, 2, 3) @ rules.shape[:, None]  # (interval, target, c, node)
+    out = np.zeros((X.size, grid.panels, mix.shape[1], grid.count // grid.panels))
+    for number, part in zip(rules.panel.tolist(), parts, strict=True):
+        out[:, number] += part
+    for row, panel, start, stop in _rough_pieces(kernel, grid, h, X, rough):
+        theta, shape = grid.ruled(panel, *spans(start, stop))
+        values = far(kernel, h * (X[row, None] - np.cosh(theta)), mix)
+        add_pieces(out, row, panel, np.swapaxes(values, 1, 2) @ shape)
+    return np.moveaxis(out, 1, 2).reshape(X.size, mix.shape[1], grid.count)
 
-    grid: Grid
-    kernel: Kernel
 
-    def integrals(self, h: float, X: Array, mix: Array) -> Array:
-        """Integrals of kernel sums ``mix`` (19, c) against the densities, at targets X (target,); (target, c, n)."""
-        # one rule serves all targets where the kernel is smooth; elsewhere intervals end where the kernel's panels do
-        grid, rules = self.grid, self.grid.rules
-        rough = grid.rough_at(X, self.kernel.smoothness / h)
-        target, interval = np.nonzero(~rough)
-        values = np.zeros((rules.panel.size, X.size, RULE, mix.shape[1]))
-        values[interval, target] = far(self.kernel, h * (X[target, None] - np.cosh(rules.theta[interval])), mix)
-        parts = np.swapaxes(values, 2, 3) @ rules.shape[:, None]  # (interval, target, c, node)
-        out = np.zeros((X.size, grid.panels, mix.shape[1], grid.count // grid.panels))
-        for number, part in zip(rules.panel.tolist(), parts, strict=True):
-            out[:, number] += part
-        for row, panel, start, stop in self._pieces(h, X, rough):
-            theta, shape = grid.ruled(panel, *spans(start, stop))
-            values = far(self.kernel, h * (X[row, None] - np.cosh(theta)), mix)
-            add_pieces(out, row, panel, np.swapaxes(values, 1, 2) @ shape)
-        return np.moveaxis(out, 1, 2).reshape(X.size, mix.shape[1], grid.count)
-
-    def _pieces(self, h: float, X: Array, rough: BoolArray) -> tuple[Pieces, Pieces]:
-        """Cut ``rough`` intervals (target, interval) where densities or kernel break; finite panels, then infinite."""
-        ends, edges, last = np.array(self.grid.ends), self.kernel.ends, self.grid.panels - 1
-        farthest = float(np.cosh(ends[-1]))
-        breaks = X[:, None] + np.concatenate([edges, -edges]) / h
-        finite = pieces(ends, np.arccosh(np.clip(breaks, 1.0, farthest)), rough[:, :last])
-        inverse = np.exp(-np.arccosh(np.maximum(breaks, farthest)))
-        row, interval, start, stop = pieces(self.grid.infinite_ends, inverse, rough[:, last:])
-        return finite, (row, np.full_like(interval, last), start, stop)
+def _rough_pieces(kernel: Kernel, grid: Grid, h: float, X: Array, rough: BoolArray) -> tuple[Pieces, Pieces]:
+    """Cut ``rough`` intervals (target, interval) where densities or kernel break; finite panels, then infinite."""
+    ends, last = np.array(grid.ends), grid.panels - 1
+    farthest = float(np.cosh(ends[-1]))
+    breaks = X[:, None] + np.concatenate([kernel.ends, -kernel.ends]) / h
+    finite = pieces(ends, np.arccosh(np.clip(breaks, 1.0, farthest)), rough[:, :last])
+    inverse = np.exp(-np.arccosh(np.maximum(breaks, farthest)))
+    row, interval, start, stop = pieces(grid.infinite_ends, inverse, rough[:, last:])
+    return finite, (row, np.full_like(interval, last), start, stop)
 
 
 def enough(strip: float, length: float) -> int:
@@ -75,8 +66,7 @@ def sampled(
 
     (point, 7 field, n), and (2 node, 3 field, n), right and left; tables of any friction share them.
     """
-    densities = Densities(grid, wide)
     mix = np.stack([mixing(0.0, np.eye(3)[1 + f]) for f in fields], 1)
     X = grid.distance[grid.close :]
-    about = densities.integrals(h, np.array(points), mix.reshape(19, -1))
-    return about, densities.integrals(h, np.concatenate([X, -X]), mix[..., 4:].reshape(19, -1))
+    near = integrals(wide, grid, h, np.array(points), mix.reshape(19, -1))
+    return near, integrals(wide, grid, h, np.concatenate([X, -X]), mix[..., 4:].reshape(19, -1))

@@ -13,7 +13,7 @@ from solver.curves import REGIONS
 from solver.fields import FIELDS
 from solver.gap.airline import LineSolution
 from solver.gap.charges import FAR, NEAR, Charges
-from solver.gap.densities import Densities
+from solver.gap.densities import integrals
 from solver.gap.quantities import solutions
 from solver.halfplane.interior import LINEAR, POTENTIALS
 from solver.halfplane.peaks import lines as region_lines
@@ -137,8 +137,8 @@ class Solved:
         if operators._wide is None:
             return result
         mix = np.concatenate([mixing(0.0, np.eye(3)[1 + f])[:, :4] for f in self.system.fields], 1)
-        integrals = Densities(operators.grid, operators._wide).integrals(self.state.half, np.concatenate([X, -X]), mix)
-        right, left = integrals.reshape(2, X.size, len(self.system.fields), 4, -1)
+        both_sides = integrals(operators._wide, operators.grid, self.state.half, np.concatenate([X, -X]), mix)
+        right, left = both_sides.reshape(2, X.size, len(self.system.fields), 4, -1)
         for row, f in enumerate(self.system.fields):
             unknowns = self.exterior_charges.unknowns[:, f]
             result += self.state.half * (right[:, row] @ unknowns[0] + _MIRRORED * (left[:, row] @ unknowns[1])).T

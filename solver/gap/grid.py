@@ -188,7 +188,7 @@ class Grid:
         return self.interpolations(panels, np.where(infinite, np.exp(-theta), theta))
 
     def interpolation(self, theta: Array) -> Array:
-        """Interpolation matrix from all nodes to theta; (place, n)."""
+        """Interpolation matrix from all nodes to theta (point,); (point, n)."""
         panels = np.minimum(np.searchsorted(self.ends[1:], theta), self.panels - 1)
         matrix = np.zeros((theta.size, self.panels, _PANEL_NODES))
         matrix[np.arange(theta.size), panels] = self.interpolations_at(panels, theta[:, None])[:, 0]

@@ -49,13 +49,11 @@ class Factored:
     @cached_property
     def load_solutions(self) -> Array:
         """Solutions for unit right sides of the load and of each charge; (n, 3)."""
-        right = np.zeros((self.columns.size, 1 + _CHARGES))
-        right[0, 0] = 1.0
-        right[_FIRST_CHARGE + np.arange(_CHARGES), 1 + np.arange(_CHARGES)] = 1.0
-        return self.solve(right)
+        return self.solve(np.eye(self.columns.size)[:, _LOAD_ROWS])
 
 
-_FIRST_CHARGE, _CHARGES = 2, 2  # row of the first charge, behind load and smooth edge; largest number of charges
+_FIRST_CHARGE = 2  # row of the first charge, behind load and smooth edge
+_LOAD_ROWS = [0, _FIRST_CHARGE, _FIRST_CHARGE + 1]  # of the load and of two charges
 
 
 def solved(matrix: Array, right: Array) -> Array:
@@ -88,10 +86,10 @@ class Outputs:
 
 
 class SplitOutputs(NamedTuple):
-    """Outputs that the equations of a table's contacts need, and the others."""
+    """Outputs that the equations of a table's contacts need, and outputs that are only reported."""
 
     solving: Outputs
-    others: Outputs
+    reported: Outputs
 
     @classmethod
     def of(cls, values: Array, solving: int, interval: Interval | None, *, clipped: bool = False) -> Self:
@@ -197,7 +195,7 @@ class GapStates(ABC):
         """Right sides of unit loads, and the datum's part of the response to the load; (case, 1 + charge) each."""
 
     # -- equations -----------------------------------------------------------------------------------------------------
-    def moved(self, unknowns: Array) -> Self:
+    def with_unknowns(self, unknowns: Array) -> Self:
         """Return the contacts at other unknowns."""
         return replace(self, unknowns=unknowns)
 
@@ -241,8 +239,8 @@ class GapStates(ABC):
             result[..., first:] = matrices[..., count:]
             result[..., :1] += by_size
             return result
-        moved = np.concatenate([causes @ directions[:, :first], directions[:, first:]], 1)
-        return np.asarray(self._reading.times(moved, rows)[0] + by_size * directions[:, :1])
+        columns = np.concatenate([causes @ directions[:, :first], directions[:, first:]], 1)
+        return np.asarray(self._reading.times(columns, rows)[0] + by_size * directions[:, :1])
 
     def _exterior(self, rows: Array) -> Array:
         """Select exterior u_y and potentials from rows (case, row, ...); (case, 1 + field, n, ...)."""
@@ -334,7 +332,7 @@ class GapStates(ABC):
             steps = [solved(*pair) for pair in zip(matrices, states.residual[:, e:], strict=True)]
             unknowns = np.array(states.unknowns)
             unknowns[:, e:] -= steps
-            states = states.moved(unknowns)
+            states = states.with_unknowns(unknowns)
         return states
 
     @property
@@ -349,7 +347,7 @@ class GapStates(ABC):
             if closed.size:
                 node = min(int(closed[-1]) + 1, shape[2] - 1)
                 densities[case, :, side, :node] = densities[case, :, side, node, None]
-        return self.moved(np.concatenate([unknowns[:, : self.first], densities.reshape(shape[0], -1)], 1))
+        return self.with_unknowns(np.concatenate([unknowns[:, : self.first], densities.reshape(shape[0], -1)], 1))
 
 
 _NEWTON_STEPS = 60
@@ -361,7 +359,7 @@ _SLOW, _SLOW_HELD = 0.02, 0.1  # ratio of successive steps above which the equat
 _ROUNDED = 1e-9  # steps below it are slow by rounding: new equations would not help
 _NEAR = 0.7  # distance in logarithms of the parameters within which a solved case is a start
 _MATRIX_BYTES, _CHORD_BYTES = 4e7, 1e8  # of matrices, and of factorised equations, at a time
-_EVERY = 8  # every eighth case in order of size is solved first, the others start from these
+_EVERY = 8  # every eighth case in order of size is solved first, the reported start from these
 
 
 @dataclass(frozen=True, eq=False)
@@ -403,9 +401,7 @@ class Settled(Generic[_State]):
     def _changes(self) -> Array:
         """Changes of the unknowns for unit loads, force then charges; (case, unknown, 1 + charge)."""
         states, count = self.states, 1 + len(self.states.held)
-        right = np.zeros((states.unknowns.shape[1], count))
-        right[0, 0] = 1.0
-        right[_FIRST_CHARGE + np.arange(count - 1), 1 + np.arange(count - 1)] = 1.0
+        right = np.eye(states.unknowns.shape[1])[:, _LOAD_ROWS[:count]]
         chords = states.chords()
         result = np.stack([chord.load_solutions[:, :count] for chord in chords])
         result += _solved(chords, right - states.derivative(result))  # refined once, as in :func:`solved`
@@ -458,18 +454,18 @@ def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _S
     active, part = np.arange(count), states
     converged, last = np.zeros(count, dtype=bool), np.full(count, np.inf)
     for _ in range(_NEWTON_STEPS):
-        now, before = part.moved(unknowns[active]), last[active]
+        current, before = part.with_unknowns(unknowns[active]), last[active]
         fresh = np.array([chords[case] is None for case in active.tolist()])
-        _renew(chords, active, now, np.flatnonzero(fresh))
-        change = now.steps(_known(chords, active))
-        size = np.max(np.abs(change) / now.terms.sizes, 1)
+        _renew(chords, active, current, np.flatnonzero(fresh))
+        change = current.steps(_known(chords, active))
+        size = np.max(np.abs(change) / current.terms.sizes, 1)
         stale = np.flatnonzero(~fresh & ~(size < slow * before) & ~(before < _ROUNDED) & np.isfinite(size))
         if stale.size:
-            slow_states = now if stale.size == active.size else now.part(stale)
+            slow_states = current if stale.size == active.size else current.part(stale)
             _renew(chords, active[stale], slow_states, np.arange(stale.size))
             change[stale] = slow_states.steps(_known(chords, active[stale]))
         change /= np.maximum(1.0, np.max(np.abs(change[:, : states.frame.extents]), 1) / _LONGEST)[:, None]
-        size = np.max(np.abs(change) / now.terms.sizes, 1)
+        size = np.max(np.abs(change) / current.terms.sizes, 1)
         unknowns[active] -= change
         last[active] = size
         close = (size < _CLOSE) | ((size < _STALLED) & (size > before / 2))
@@ -482,7 +478,7 @@ def iterated(states: _State, starts: Sequence[Factored | None], slow: float = _S
         if running.size < active.size:
             active, part = active[running], part.part(running)
     final = part if active.size == count else states
-    return Settled(final.moved(unknowns), _known(chords, np.arange(count)), converged)
+    return Settled(final.with_unknowns(unknowns), _known(chords, np.arange(count)), converged)
 
 
 def _known(chords: Sequence[Factored | None], cases: Indices) -> list[Factored]:
@@ -499,7 +495,7 @@ def _renew(chords: list[Factored | None], cases: Indices, states: GapStates, mem
 
 def continued(states: _State, near: Settled[_State]) -> Settled[_State]:
     """Solve ``states`` from solved contacts, and from contacts without air where that fails."""
-    return _retried(iterated(states.moved(near.states.unknowns), near.chords, _SLOW_HELD), states)
+    return _retried(iterated(states.with_unknowns(near.states.unknowns), near.chords, _SLOW_HELD), states)
 
 
 def _retried(result: Settled[_State], states: _State) -> Settled[_State]:
@@ -525,7 +521,7 @@ def _replaced(result: Settled[_State], cases: Indices, replacement: Settled[_Sta
     unknowns[cases], converged[cases] = replacement.states.unknowns, replacement.converged
     for case, chord in zip(cases.tolist(), replacement.chords, strict=True):
         chords[case] = chord
-    return Settled(result.states.moved(unknowns), chords, converged)
+    return Settled(result.states.with_unknowns(unknowns), chords, converged)
 
 
 def settled(states: _State, parameters: Array) -> Settled[_State]:
@@ -557,8 +553,8 @@ def settled(states: _State, parameters: Array) -> Settled[_State]:
         near, far = np.flatnonzero(parents >= 0), np.flatnonzero(parents < 0)
         if near.size:
             start = part.part(near)
-            result = iterated(start.moved(unknowns[parents[near]]), _known(chords, parents[near]))
+            result = iterated(start.with_unknowns(unknowns[parents[near]]), _known(chords, parents[near]))
             put(cases[near], _retried(result, start))
         if far.size:
             put(cases[far], _from_airless(part.part(far)))
-    return Settled(states.moved(unknowns), _known(chords, np.arange(count)), converged)
+    return Settled(states.with_unknowns(unknowns), _known(chords, np.arange(count)), converged)

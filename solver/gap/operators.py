@@ -313,7 +313,7 @@ class AirTable:
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Outputs at the half-lengths; edge stresses, pressures over their weight and densities are the others."""
+        """Outputs at the half-lengths; edge stresses, pressures over weight and densities are only reported."""
         operators = self.operators
         columns = operators.system.causes + len(operators.system.fields) * operators.density_nodes
         size = 8.0 * self.table.half_lengths.size * operators.rows * columns
@@ -348,10 +348,8 @@ def grid_of(system: System, shortest: float, longest: float, farthest: float = 0
 
 
 def farthest(contact: FilmContact, permittivity: Array) -> Array:
-    """Return X from which exterior charges are those of a wide gap, 0 or a power of four; (case,).
-
-    permittivity: (case, 2), permittivity and permeability of the gas in the gaps.
-    """
+    """Return X beyond which exterior charges are those of a wide gap, 0 or a power of four; (case,)."""
+    # permittivity: electric and magnetic, of the gas in the gaps, (case, 2)
     # Over a film it is where the gap passes less than the film, D = eps0 V/(g + eps0 thickness/eps): the last panel,
     # whose terms are powers of 1/X, starts at ten times that distance, which errs by 1e-6 of the charges. Over a base
     # whose potential grows it is where the gap is x eps0/eps, and the panel has the logarithms of that.

@@ -186,7 +186,7 @@ class AirPoints:
         states, units, length = result.states, self._units(cases, result.states), self.length[cases]
         port, displacement = Stiffness.of(self._compliance(cases, result)), states.response.values * units
         size, bounded = states.size / states.radius, finite(states.operators.shape)
-        inside = states.table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+        inside = states.table.outputs.reported.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
         slid = [self.slid(*pair) for pair in _solutions(cases, states)]
         sliding = [solution for solution in slid if solution is not None]
         out = {

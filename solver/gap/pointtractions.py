@@ -83,7 +83,7 @@ class SolvedPoint:
     columns: Array  # Sizes of the columns of the operators; (column,)
     over_size: Array  # Densities at the nodes over their size; (field, n)
     gap: Array  # (n,)
-    thinned: Array  # Factor by which the finite punch weakens the gap's field; (n,)
+    end_factor: Array  # Factor by which the finite punch weakens the gap's field; (n,)
     conductance: Array  # Density over its size per potential, times the gap over the profile's; (field, n)
     media: Array  # eps0 and mu0 of the conducted fields; (field,)
 
@@ -92,7 +92,7 @@ class SolvedPoint:
         """Solution of one case."""
         return cls(
             states.operators, float(states.radius[case]), float(states.size[case] / states.radius[case]),
-            states.columns[case], states.over_size[case], states.gap[case], states.thinned[case],
+            states.columns[case], states.over_size[case], states.gap[case], states.end_factor[case],
             states.terms.conductance[case], states.media[case],
         )  # fmt: skip
 
@@ -118,14 +118,14 @@ class SolvedPoint:
         """Tractions on the whole surface; ``turned``: exterior densities of cos(angle) over size, (field, n)."""
         rings, unit = self.operators.rings, self.unit
         grid, density = rings.grid, self.density.times(np.full(3, unit))
-        S = self.over_size @ rings.gathered.T
-        odd = np.zeros_like(S) if turned is None else turned @ rings.turned.gathered.T
+        S = self.over_size @ rings.abel.T
+        odd = np.zeros_like(S) if turned is None else turned @ rings.turned.abel.T
         sides = np.zeros((2, 2, grid.count))
         sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (unit / np.pi)
         return AirPointTractions(np.array([ratio]), density, np.zeros(1), exterior_charges=Charges(grid, sides))
 
     def surface_tractions(self, r: Array) -> Array:
-        """Return sigma_yy, D_y and B_y at r/a, which is never 1; (3, place)."""
+        """Return sigma_yy, D_y and B_y at r/a, which is never 1; (3, position)."""
         distance = np.abs(r)
         within = distance < 1
         inner, rings = distance[within], self.operators.rings
@@ -137,7 +137,7 @@ class SolvedPoint:
         return result * self.unit
 
     def bounded(self, r: Array, induced: Array) -> Array:
-        """Bounded part of tractions at r/a < 1 over C a^(e-1), (3, place); ``induced``: ``Rings.poisson`` there."""
+        """Bounded part of tractions at r/a < 1 over C a^(e-1), (3, position); ``induced``: ``Rings.poisson`` there."""
         x = np.sqrt((1 - r) * (1 + r))
         result = self._series @ added_forms(x, self._series.shape[1]).T
         result -= 2 / np.pi * self.operators.inverse[:, :1] * halfspace_form(self.operators.shape, x, r)

@@ -100,9 +100,9 @@ def _of_contacts(films: Films, contacts: AirContacts) -> dict[str, Array]:
     """Quantities of contacts with their charges; (case,) each."""
     result, h, scale = contacts.solved, films.thickness, contacts.contact.scale
     states, table = result.states, contacts.table
-    others = table.outputs.others.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
+    reported = table.outputs.reported.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
     half, exponent = h * states.half, contacts.contact.exponent
-    stresses, pressures, within = np.split(others, [2, 2 + SAMPLES.size], 1)
+    stresses, pressures, within = np.split(reported, [2, 2 + SAMPLES.size], 1)
     out = edges(half, states.centre) | {
         "pressure_exponent": np.full_like(half, exponent),
         "depth": h * states.response.values[:, 0] * scale[1],

@@ -149,13 +149,13 @@ class RingOperators:
         closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, by_layers = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - by_layers[:, count])
-        # S of the profile is of_power s^e: of_power (1 - s^e), whose tractions are closed, less than at the edge
-        of_power = inverse[:, 0] * self.shape.rise
-        closed[..., profile] = of_power[:, None]
+        # S of the profile is profile_S s^e: profile_S (1 - s^e), whose tractions are closed, less than at the edge
+        profile_S = inverse[:, 0] * self.shape.rise
+        closed[..., profile] = profile_S[:, None]
         S += closed
         loads = 4 * np.einsum("n,inc->ic", below.weights, S)
-        loads[:, profile] -= 4 * of_power * self.shape.exponent / (self.shape.exponent + 1)
-        exterior = self.rings.raised @ self.exterior_chi(by_layers[:, count:], edge)
+        loads[:, profile] -= 4 * profile_S * self.shape.exponent / (self.shape.exponent + 1)
+        exterior = self.rings.displacement @ self.exterior_chi(by_layers[:, count:], edge)
         coefficients = below.series @ S
         pressure = -added_forms(SAMPLES, count) @ coefficients[0]
         pressure[:, profile] += inverse[0, 0] * self._form(SAMPLES)
@@ -209,7 +209,7 @@ class RingOperators:
         S = np.repeat(-edges[:, None], nodes, axis=1)
         densities = S[..., edges.shape[1] - fields * nodes :].reshape(1 + fields, nodes, fields, nodes)
         for row in range(fields):
-            densities[1 + row, :, row] += self.rings.gathered
+            densities[1 + row, :, row] += self.rings.abel
         return np.asarray(by_layers[:, 1:] - by_layers[:, :1] + np.tensordot(self.channel_compliance, S, 1))
 
     def balanced(self, kernels: Array, by_layers: Array) -> tuple[Array, Array]:
@@ -267,21 +267,21 @@ class RingOperators:
     def from_exterior(self, radius: float, targets: Array) -> list[Array]:
         """Kernel matrices of the layers from each field's exterior densities over size; (channel, target, node)."""
         # one rule per panel suffices for kernels that are smooth over it, and for the opposite side everywhere
-        grid, (s, share) = self.rings.grid, self.rings.rule
+        grid, (s, weights) = self.rings.grid, self.rings.rule
         breaks = self._breaks(radius, targets)
         ends = np.cosh(self.rings.ends)
         broken = np.diff([np.searchsorted(row, ends, side="right") for row in breaks], axis=1) > 0
         kernels = self.rings.parity * self._pair_kernels.at(radius * (targets[:, None, None] + s))
         row, panel = np.nonzero(~broken)
         kernels[row, panel] += self._pair_kernels.at(radius * np.abs(targets[row, None] - s[panel]))
-        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ share, -1, -2)  # (target, panel, node, pair)
+        result = np.swapaxes(np.swapaxes(kernels, -1, -2) @ weights, -1, -2)  # (target, panel, node, pair)
         row, panel, start, stop = pieces(self.rings.ends, np.arccosh(breaks), broken)
-        s, share = self.rings.ruled(panel, start, stop)
+        s, weights = self.rings.ruled(panel, start, stop)
         near = self._pair_kernels.at(radius * np.abs(targets[row, None] - s))
-        add_pieces(result, row, panel, np.swapaxes(share, 1, 2) @ near)
+        add_pieces(result, row, panel, np.swapaxes(weights, 1, 2) @ near)
         size = self.rings.size.reshape(grid.panels, -1, 1)
         kernels = self._by_channels((radius / np.pi * result / size).reshape(targets.size, grid.count, -1))
-        return [kernels[:, 1 + row] @ self.rings.gathered for row in range(len(self.fields))]
+        return [kernels[:, 1 + row] @ self.rings.abel for row in range(len(self.fields))]
 
     def _breaks(self, radius: float, targets: Array) -> Array:
         """Break points of the rules around targets, rising, padded with the edge; (target, break)."""
@@ -315,7 +315,7 @@ class RingTable:
 
     @cached_property
     def outputs(self) -> SplitOutputs:
-        """Outputs at the interval's points; pressures and densities below the contact are the others."""
+        """Outputs at the interval's points; pressures and densities below the contact are only reported."""
         log_radii = np.zeros(1) if self.interval is None else self.interval.points
         result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
         rows = self.exact.rows

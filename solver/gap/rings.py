@@ -71,7 +71,7 @@ class Rings:
         return float(self.grid.limits[-1, 1])
 
     @cached_property
-    def gathered(self) -> Array:
+    def abel(self) -> Array:
         """Matrix from densities over their size to S at the nodes; (n, n)."""
         grid, theta = self.grid, self.grid.theta
         result = np.zeros((grid.count, grid.count))
@@ -80,18 +80,18 @@ class Rings:
             rows = np.flatnonzero(theta < high)
             target = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(low - theta[rows], 0)), np.sqrt(high - theta[rows]))
-            other = target + tau**2
-            share = 2 * weights * np.tanh(other) / np.sqrt(np.sinh(other + target) * _sinhc(tau))
-            share *= (np.cosh(target) / np.cosh(other)) ** self.order
-            shape = grid.interpolations(np.full(rows.size, panel), other)
-            result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+            source = target + tau**2
+            kernel = 2 * weights * np.tanh(source) / np.sqrt(np.sinh(source + target) * _sinhc(tau))
+            kernel *= (np.cosh(target) / np.cosh(source)) ** self.order
+            shape = grid.interpolations(np.full(rows.size, panel), source)
+            result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", kernel, shape)
         v = np.exp(-theta)[:, None]
         tau, weights = _between(np.sqrt(1 - np.minimum(self._last / v[:, 0], 1)), np.ones(grid.count))
         u = v * (1 - tau**2)
-        share = 4 * weights * v * (1 - u**2) / (1 + u**2) / np.sqrt((2 - tau**2) * (1 - (u * v) ** 2))
-        share *= ((1 - tau**2) * (1 + v**2) / (1 + u**2)) ** self.order
+        kernel = 4 * weights * v * (1 - u**2) / (1 + u**2) / np.sqrt((2 - tau**2) * (1 - (u * v) ** 2))
+        kernel *= ((1 - tau**2) * (1 + v**2) / (1 + u**2)) ** self.order
         shape = grid.interpolations(np.full(grid.count, grid.panels - 1), u)
-        result[:, grid.slice(grid.panels - 1)] = np.einsum("rp,rpn->rn", share, shape)
+        result[:, grid.slice(grid.panels - 1)] = np.einsum("rp,rpn->rn", kernel, shape)
         return result
 
     @cached_property
@@ -115,7 +115,7 @@ class Rings:
         return self._integrated(induced)
 
     def interpolation(self, r: Array) -> Array:
-        """Matrix from densities over their size to densities at r > 1; (place, n)."""
+        """Matrix from densities over their size to densities at r > 1; (r, n)."""
         return np.asarray(self.grid.interpolation(np.arccosh(r)) / r[:, None] ** 2)
 
     def _integrated(self, function: Callable[[Array], Array]) -> Array:
@@ -123,20 +123,20 @@ class Rings:
         return self.grid.integrated(lambda theta: function(theta) / (np.cosh(theta) * self.grid.size_at(theta)))
 
     @cached_property
-    def raised(self) -> Array:
+    def displacement(self) -> Array:
         """Matrix from F at the nodes to (2/pi) int_1^r F (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r; (n, n)."""
         grid, result = self.grid, np.zeros((self.grid.count, self.grid.count))
-        for panel, rows, other, share in self._rules():
-            shape = grid.interpolations_at(np.full(rows.size, panel), other)
-            result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", share, shape)
+        for panel, rows, source, kernel in self._rules():
+            shape = grid.interpolations_at(np.full(rows.size, panel), source)
+            result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", kernel, shape)
         return result
 
     def power(self, exponent: float) -> Array:
         """Return (2/pi) int_1^r (s^exponent - 1) (s/r)^m ds / sqrt(r^2 - s^2) at the nodes r; (n,)."""
         if exponent not in self._powers:
             result = np.zeros(self.grid.count)
-            for _, rows, other, share in self._rules():
-                result[rows] += np.sum(share * np.expm1(exponent * np.log1p(2 * np.sinh(other / 2) ** 2)), -1)
+            for _, rows, source, kernel in self._rules():
+                result[rows] += np.sum(kernel * np.expm1(exponent * np.log1p(2 * np.sinh(source / 2) ** 2)), -1)
             self._powers[exponent] = result
         return self._powers[exponent]
 
@@ -153,9 +153,9 @@ class Rings:
             rows = np.flatnonzero(theta > low)
             target = theta[rows, None]
             tau, weights = _between(np.sqrt(np.maximum(theta[rows] - high, 0)), np.sqrt(theta[rows] - low))
-            other = target - tau**2
-            share = 4 / np.pi * weights * np.sinh(other) / np.sqrt(np.sinh(target + other) * _sinhc(tau))
-            yield panel, rows, other, share * (np.cosh(other) / np.cosh(target)) ** self.order
+            source = target - tau**2
+            kernel = 4 / np.pi * weights * np.sinh(source) / np.sqrt(np.sinh(target + source) * _sinhc(tau))
+            yield panel, rows, source, kernel * (np.cosh(source) / np.cosh(target)) ** self.order
 
 
 @cached

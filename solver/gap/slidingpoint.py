@@ -109,7 +109,7 @@ class SlidingPoint:
         edges = self._operators.inverse @ (chi - by_layers[:, count])
         exterior_chi = self._operators.exterior_chi(by_layers[:, count:], edges)
         exterior_chi[..., FRICTION] += coupling[:, None] * _hilbert_beyond(pressed, rings.grid.theta)
-        displaced = rings.raised @ exterior_chi
+        displaced = rings.displacement @ exterior_chi
         displaced[0, :, SHIFT] -= edge_chi * rings.power(exponent - 1)
         return edges, displaced
 
@@ -168,7 +168,7 @@ class SlidingPoint:
     @property
     def _end_factor_rate(self) -> Array:
         """Relative change of the gap law's factor 1 + r^2/end^2 for a unit shift; (n,)."""
-        return np.asarray(2 * (1 - self.at_rest.thinned) / self.rings.grid.distance)
+        return np.asarray(2 * (1 - self.at_rest.end_factor) / self.rings.grid.distance)
 
     @property
     def shift(self) -> float:
@@ -184,15 +184,15 @@ class SlidingPoint:
     @cached_property
     def exterior_densities(self) -> tuple[Array, Array]:
         """D_y and B_y of cos(angle) at the nodes, and eps0 E and mu0 H of the gap, over C a^(e-1); (field, n) each."""
-        densities, thinned = self.over_size * self.rings.size, self.at_rest.thinned
-        by_shift = self.at_rest.exterior_densities / thinned * self.shift * self._end_factor_rate
-        return densities, densities / thinned + by_shift
+        densities, end_factor = self.over_size * self.rings.size, self.at_rest.end_factor
+        by_shift = self.at_rest.exterior_densities / end_factor * self.shift * self._end_factor_rate
+        return densities, densities / end_factor + by_shift
 
     @property
     def reach(self) -> float:
         """Largest field in the gap over its limit 1/r_1 (points, 6), which the first order can exceed."""
         N, channels, (_, turned) = self._operators.compliance, self._conducted, self.exterior_densities
-        at_rest = self.at_rest.exterior_densities / self.at_rest.thinned
+        at_rest = self.at_rest.exterior_densities / self.at_rest.end_factor
         over_limit = -self.at_rest.unit * N[0, channels] / N[channels, channels] / self.at_rest.media
         return float(max(np.max(over_limit[:, None] * (at_rest + sign * turned)) for sign in (1.0, -1.0)))
 
@@ -225,7 +225,7 @@ class SlidingPoint:
 
     # -- parts of the quantities, over C a^(e-1) -----------------------------------------------------------------------
     def along(self, field: int | None) -> Array:
-        """Bounded part of D, B or pressure (None) on the ray of ``ray_of``, at rest and of cos(angle); (2, place)."""
+        """Bounded part of D, B or pressure (None) on the ray of ``ray_of``, at rest and of cos(angle); (2, point)."""
         shape, channel = self._operators.shape, 0 if field is None else 1 + field
         ray, sheared = ray_of(shape), self.at_rest.density.times(np.full(3, self.friction))
         shift, series = np.array([self.shift]), self.series[None, channel]
@@ -242,13 +242,13 @@ class SlidingPoint:
         """Nodes b below and outside the contact, (b,), weights times phi, (3, b), and (eta phi_sigma, psi), (4, b)."""
         reach = self.at_rest.radius / self._operators.width
         rule = hankel.nodes(parts=4 + int(_PANELS_IN_B * reach), kinked=True)
-        exterior_b, interpolation = self.rings.rule
+        exterior_b, rule_weights = self.rings.rule
         within = np.concatenate([self.at_rest.density.at(rule.b)[0], self.sines(rule.b)])
         exterior = np.zeros((2, 3, exterior_b.size))
         at_rest, turned = (self.at_rest.operators.rings, self.at_rest.over_size), (self.rings, self.over_size)
         for number, (rings, densities) in enumerate((at_rest, turned)):
-            S = (densities @ rings.gathered.T / rings.size).reshape(len(densities), rings.grid.panels, -1)
-            exterior[number, self._conducted] = np.einsum("psn,fpn->fps", interpolation, S).reshape(len(densities), -1)
+            S = (densities @ rings.abel.T / rings.size).reshape(len(densities), rings.grid.panels, -1)
+            exterior[number, self._conducted] = np.einsum("psn,fpn->fps", rule_weights, S).reshape(len(densities), -1)
         weights = np.concatenate([within * rule.weights, _DENSITY_PER_S * exterior.reshape(6, -1)], 1)
         return np.append(rule.b, exterior_b), weights[:3], np.concatenate([self.friction * weights[:1], weights[3:]])
 
@@ -271,7 +271,7 @@ class SlidingPoint:
 
 @cached
 def _induced_on_ray(rings: Rings, shape: Shape) -> Array:
-    """Density on the ray of ``ray_of`` that exterior charges induce; (place, n)."""
+    """Density on the ray of ``ray_of`` that exterior charges induce; (point, n)."""
     return rings.poisson(ray_of(shape).x)
 
 
@@ -298,7 +298,7 @@ def largest_within(slid: Sequence[SlidingPoint | None], field: int | None, at_re
 def largest_exterior(states: PointStates, slid: Sequence[SlidingPoint | None], row: int, *, gap: bool) -> Array:
     """Largest exterior density along the sliding direction, or eps0 E of the gap, over C a^(e-1); (case,)."""
     rings = states.rings
-    at_rest = states.over_size[:, row] * rings.size / (states.thinned if gap else 1.0)
+    at_rest = states.over_size[:, row] * rings.size / (states.end_factor if gap else 1.0)
     flat = np.zeros(states.layout.nodes)
     turned = np.stack([flat if contact is None else contact.exterior_densities[gap][row] for contact in slid])
     sides = [(at_rest + sign * turned).reshape(len(slid), rings.grid.panels, -1)[:, :-1] for sign in (1.0, -1.0)]

@@ -62,7 +62,7 @@ class Contact:
 
     @property
     def half_width(self) -> Array:
-        """h = (a + b)/2 [m]."""
+        """Half-width h = (a + b)/2 [m]."""
         return self.pressing.half_width
 
     @property
@@ -108,13 +108,13 @@ class Contact:
         return -carried / np.pi
 
     def edge_intensity(self, edge: float) -> Array:
-        """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at a smooth edge, X = 1 trailing or -1 leading; (..., 2)."""
+        """Edge intensities lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at a smooth edge X = 1 or -1; (..., 2)."""
         follower = self.friction * self.shape.follower_at(edge) * self.pressure_scale
         root, screening = np.sqrt(np.pi * self.half_width), self.sliding.friction_screening
         return _by_field(*(root * (follower * screening[..., j] + self.charge_density[..., j]) for j in range(2)))
 
     def edge_stress(self, edge: float) -> Array:
-        """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (...)."""
+        """Stress sigma_xx on the free surface just outside a smooth edge X = 1 or -1 [Pa]; (...)."""
         slope = np.polynomial.polynomial.polyval(edge, np.moveaxis(self.pressing.slope, -1, 0))
         per_slope = self.halfplane.in_plane_stiffness * self.halfplane.tangential_compliance * self.friction
         return per_slope * self.pressure_scale * slope

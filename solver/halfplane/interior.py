@@ -67,13 +67,13 @@ def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], func
     rows = field_rows(half)[..., [LINEAR.index(name) for name in fields], :]
     blocks = np.concatenate([half.surface_impedance, np.broadcast_to(np.eye(4), half.surface_impedance.shape)], -2)
     # fields per traction vector at the nodes; (..., node, field, 4)
-    answers = 1j * (rows @ blocks)[..., None, :, :] @ (weights * half.scale[..., None, None, :])
+    responses = 1j * (rows @ blocks)[..., None, :, :] @ (weights * half.scale[..., None, None, :])
 
     zero, unit, eta, r = np.zeros(()), np.ones(()), contact.friction, sliding.screening
     d = eta[..., None] * sliding.friction_screening
-    pressed = _applied(answers, stack(eta, unit, -r[..., 0], -r[..., 1]))
-    followed = _applied(answers, stack(zero, zero, d[..., 0], d[..., 1]))
-    charged = [_applied(answers, np.eye(4)[2 + j]) for j in (0, 1)]
+    pressed = _applied(responses, stack(eta, unit, -r[..., 0], -r[..., 1]))
+    followed = _applied(responses, stack(zero, zero, d[..., 0], d[..., 1]))
+    charged = [_applied(responses, np.eye(4)[2 + j]) for j in (0, 1)]
 
     load, electric, magnetic = np.zeros(()), np.zeros(()), np.zeros(())
     for j in range(nodes.shape[-1]):
@@ -84,9 +84,9 @@ def parts_of(contact: Contact, x: Array, y: Array, fields: tuple[str, ...], func
     return InteriorParts(load, (electric, magnetic))
 
 
-def _applied(answers: ComplexArray, traction: Array) -> ComplexArray:
+def _applied(responses: ComplexArray, traction: Array) -> ComplexArray:
     """Fields of one traction vector (..., 4), conjugated like the points; (..., node, field)."""
-    return np.asarray(np.conj(answers @ traction[..., None, :, None])[..., 0])
+    return np.asarray(np.conj(responses @ traction[..., None, :, None])[..., 0])
 
 
 def _conjugate_points(x: Array, y: Array, p: ComplexArray) -> ComplexArray:

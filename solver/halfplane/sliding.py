@@ -29,12 +29,12 @@ class FrictionAngle:
 
     @cached_property
     def cos(self) -> Array:
-        """cos(theta) = sin(pi alpha)."""
+        """Cosine of theta, sin(pi alpha)."""
         return 1 / np.hypot(1.0, self.tan)
 
     @cached_property
     def delta(self) -> Array:
-        """theta / pi = alpha - 1/2."""
+        """Angle over pi, alpha - 1/2."""
         return np.arctan(self.tan) / np.pi
 
     @cached_property
@@ -51,12 +51,12 @@ class FrictionAngle:
 
     @cached_property
     def delta_over_tan(self) -> Array:
-        """delta / tan(theta), 1/pi without friction."""
+        """Ratio delta / tan(theta), 1/pi without friction."""
         return self.cos / (np.pi * np.sinc(self.delta))
 
     @cached_property
     def log_cos_over_tan(self) -> Array:
-        """log(cos theta) / tan(theta), 0 without friction."""
+        """Ratio log(cos theta) / tan(theta), 0 without friction."""
         return -self.tan / (2 * scipy.special.exprel(np.log1p(self.tan**2)))
 
 

@@ -123,7 +123,7 @@ class HalfPlane:
 
     @property
     def surface_impedance(self) -> ComplexArray:
-        """A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
+        """Impedance A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
         return np.asarray(-self._barnett_lothe[..., 0, :, :] - 1j * self._barnett_lothe[..., 1, :, :])
 
     @property
@@ -138,12 +138,12 @@ class HalfPlane:
 
     @shared_by_cases
     def friction_coupling(self) -> Array:
-        """k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
+        """Friction coupling k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
         return -(self._barnett_lothe[..., 0, :, :] * self._scales)[..., 1:, 0]
 
     @shared_by_cases
     def tangential_compliance(self) -> Array:
-        """(L^-1)_xx [1/Pa]; (...)."""
+        """Tangential compliance (L^-1)_xx [1/Pa]; (...)."""
         return (self._barnett_lothe[..., 1, :, :] * self._scales)[..., 0, 0]
 
     @cached_property

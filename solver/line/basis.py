@@ -32,7 +32,7 @@ class Basis:
 
     @property
     def order(self) -> int:
-        """k0 = A + B: 1 between smooth edges, 0 with one corner, -1 between corners."""
+        """Order k0 = A + B, 1 between smooth edges, 0 with one corner and -1 between corners."""
         return sum(self.smooth) - 1
 
     @property
@@ -42,16 +42,17 @@ class Basis:
 
     @property
     def gain(self) -> float:
-        """2^k0 / sin(pi A)."""
+        """Factor 2^k0 / sin(pi A) of F4.2."""
         return float(2.0**self.order / np.sin(np.pi * self.exponents[0]))
 
     @cached_property
     def nodes(self) -> Array:
-        """Collocation nodes X: Gauss-Jacobi of weight (-A, -B); (M,)."""
+        """Collocation nodes X of Gauss's rule with exponents -A and -B; (M,)."""
         return self._dual_rule[0]
 
     @cached_property
     def _dual_rule(self) -> tuple[Array, Array]:
+        """Nodes and weights of Gauss's rule with exponents -A and -B; (M,) each."""
         A, B = self.exponents
         return gauss_jacobi(self.terms, -A, -B)
 
@@ -77,13 +78,13 @@ class Basis:
 
     @cached_property
     def pressure_rule(self) -> tuple[Array, Array]:
-        """Nodes S of weight w, and weights times P_j(S); (N,) and (N, pressures)."""
+        """Nodes S (N,) of Gauss's rule with weight w, and its weights times P_j(S) (N, pressures)."""
         S, weights = gauss_jacobi(self.samples, *self.exponents)
         return S, weights[:, None] * self.pressure_factor(S)
 
     @cached_property
     def charge_rule(self) -> tuple[Array, Array]:
-        """Nodes S of weight 1/sqrt(1 - S^2), and weights times T_n(S); (N,) and (N, M + 1)."""
+        """Nodes S (N,) of Gauss's rule with weight 1/sqrt(1 - S^2), and its weights times T_n(S) (N, M + 1)."""
         angle = np.pi * (np.arange(self.samples) + 0.5) / self.samples
         return np.cos(angle), np.pi / self.samples * np.cos(angle[:, None] * np.arange(self.terms + 1))
 
@@ -94,7 +95,7 @@ class Basis:
         return np.asarray(weights @ self.dual(X, self.terms).T @ self.projection)
 
     def pressure_factor(self, X: Points) -> Points:
-        """P_j^(A,B); (X, pressures)."""
+        """P_j^(A,B) at X (X,); (X, pressures)."""
         return jacobi(self.pressures, *self.exponents, X)
 
     def dual(self, X: Array, count: int) -> Array:
@@ -120,7 +121,7 @@ class Basis:
         return self.transformed(z, np.eye(self.pressures)), self.charged(z)
 
     def charged(self, z: Points) -> Points:
-        """H[T_n / sqrt(1 - X^2)] off the contact; (..., M + 1); z as for :meth:`transforms`."""
+        """H[T_n / sqrt(1 - X^2)] at z as for :meth:`transforms`; (..., M + 1)."""
         outer, root = ellipse(z)
         out = np.empty((self.terms + 1, *z.shape), z.dtype)
         out[0], inverse = -1 / root, 1 / outer
@@ -149,7 +150,7 @@ class Basis:
 
     @property
     def total(self) -> float:
-        """m0: integral of w."""
+        """Integral m0 of w."""
         A, B = self.exponents
         return float(2 ** (A + B + 1) * beta(A + 1, B + 1))
 

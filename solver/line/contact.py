@@ -64,12 +64,12 @@ class FilmContact:
 
     @property
     def half_width(self) -> Array:
-        """h = (a + b)/2 [m]; (case,)."""
+        """Half-length h = (a + b)/2 [m]; (case,)."""
         return self._extent[0]
 
     @property
     def centre(self) -> Array:
-        """c/h = (a - b)/(a + b); (case,)."""
+        """Centre c/h = (a - b)/(a + b); (case,)."""
         return self._extent[1]
 
     @property
@@ -93,12 +93,12 @@ class FilmContact:
 
     # -- edges ---------------------------------------------------------------------------------------------------------
     def edge_intensity(self, edge: float) -> Array:
-        """lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at X = 1 trailing or -1 leading; (case, 2)."""
+        """Edge intensities lim sqrt(2 pi r) (D_y, B_y) [C m^-3/2, T m^1/2] at X = 1 or -1; (case, 2)."""
         intensities = self.output(outputs.INTENSITY)[:, (0, 2) if edge > 0 else (1, 3)]
         return np.asarray(np.sqrt(self.half_width)[:, None] * intensities / self.scale[2:])
 
     def edge_stress(self, edge: float) -> Array:
-        """sigma_xx [Pa] on the free surface just outside a smooth edge, X = 1 trailing or -1 leading; (case,)."""
+        """Stress sigma_xx on the free surface just outside a smooth edge X = 1 or -1 [Pa]; (case,)."""
         return np.asarray(self.output(outputs.EDGE_STRESS)[:, 0 if edge > 0 else 1] / self.scale[1])
 
     # -- response ------------------------------------------------------------------------------------------------------

@@ -48,7 +48,7 @@ class Loading:
 
     @property
     def order(self) -> int:
-        """k0: 1 between smooth edges, 0 with one corner, -1 between corners."""
+        """Order k0, 1 between smooth edges, 0 with one corner and -1 between corners."""
         return sum(self.smooth) - 1
 
     def at(self, half: Array, centre: Array) -> Causes:

@@ -101,8 +101,8 @@ class Films:
             cases = np.flatnonzero(charged & (self._windows == number))
             exact = window(self.kind, number)
             lengths, enough = [exact.half_lengths], [self._enough(cases, exact)]
-            for other in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
-                rough = window(self.kind, other, rough=True)
+            for neighbour in {*range(max(number - _BELOW, FIRST), min(number + _ABOVE, LAST) + 1)} - {number}:
+                rough = window(self.kind, neighbour, rough=True)
                 elsewhere = (rough.half_lengths * _MARGIN < exact.lower) | (rough.half_lengths > exact.upper * _MARGIN)
                 lengths.append(rough.half_lengths[elsewhere])
                 enough.append(self._enough(cases, rough)[:, elsewhere])

@@ -158,9 +158,9 @@ class Transforms:
     def _jacobi(self, q: Array, count: int) -> Iterator[ComplexArray]:
         """Yield I_j at q, j < count."""
         A, B = self.basis.exponents
-        before: ComplexArray = np.conj(_edges(A, B, q))
-        yield before
-        current: ComplexArray = (A + 1) * before - (A + B + 2) / 2 * np.conj(_edges(A + 1, B, q))
+        previous: ComplexArray = np.conj(_edges(A, B, q))
+        yield previous
+        current: ComplexArray = (A + 1) * previous - (A + B + 2) / 2 * np.conj(_edges(A + 1, B, q))
         for j in range(1, count):
             yield current
             t = 2 * j + A + B
@@ -168,14 +168,14 @@ class Transforms:
             constant = (A - B) / t - (B * B - A * A) / (t * (t + 2))
             beneath = 2 * (j + A) * (j + B) / t * (1 - j / (t + 1))
             factor = j * constant - 1j * j * (j + A + B + 1) / q
-            current, before = (factor * current + beneath * before) / (j * above), current
+            current, previous = (factor * current + beneath * previous) / (j * above), current
 
     def _bessel(self, q: Array, count: int) -> Iterator[ComplexArray]:
         """Yield pi (-i)^n J_n(q), n < count."""
-        before, current = j0(q), j1(q)
+        previous, current = j0(q), j1(q)
         for n in range(count):
-            yield np.asarray(np.pi * (-1j) ** n * before, dtype=np.complex128)
-            before, current = current, 2 * (n + 1) / q * current - before
+            yield np.asarray(np.pi * (-1j) ** n * previous, dtype=np.complex128)
+            previous, current = current, 2 * (n + 1) / q * current - previous
 
 
 def _edges(A: float, B: float, q: Array) -> ComplexArray:

@@ -87,8 +87,8 @@ class Film:
             cases = np.flatnonzero(numbers == number)
             yield cases, window(self.kind, number), np.log(ratio[cases])
 
-    def gathered(self, radius: Array, output: Callable[[PointWindow, Array, Indices], Array]) -> Array:
-        """Output of the windows at log (a/h) of their cases, padded with zeros to the longest; (case, ...)."""
+    def from_windows(self, radius: Array, output: Callable[[PointWindow, Array, Indices], Array]) -> Array:
+        """Join ``output`` of the windows at log (a/h) of their cases, padded with zeros to the longest; (case, ...)."""
         parts = [(cases, output(table, log_ratio, cases)) for cases, table, log_ratio in self.windows(radius)]
         longest = np.max([values.shape[1:] for _, values in parts], axis=0)
         whole = np.empty((radius.size, *longest))
@@ -98,7 +98,7 @@ class Film:
 
     def stiffness(self, radius: Array) -> Stiffness:
         """Stiffness at radii, read from the windows."""
-        read = self.gathered(radius, lambda table, log_ratio, _: table.read(log_ratio))
+        read = self.from_windows(radius, lambda table, log_ratio, _: table.read(log_ratio))
         return self.kind.stiffness(read)
 
     def radius(self, loading: PointLoading) -> Array:
@@ -132,7 +132,8 @@ class Film:
     def _guess(self, loading: PointLoading) -> Array:
         """Initial radii from those on a half-space; (case,) [m]."""
         ratio = HalfSpace(self.kind.compliance, self.shape).radius(loading) / self.thickness
-        return np.asarray(np.minimum(ratio, np.sqrt(ratio)) * self.thickness)  # the root: wide ones on a stiff base
+        # the square root is nearer for a wide contact on a stiff base
+        return np.asarray(np.minimum(ratio, np.sqrt(ratio)) * self.thickness)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Charge of an electrode below a point contact, and of its patches (films, section 11).
 
-In the units of the stack q(k) = 2 pi a sum_n c_n . rows j_2n(ka). Friction adds waves J1(kr) cos(angle), which are -1/k
-times the derivatives of J0(kr) along x; so are their charges on a patch, by its distance.
+In the units of the stack q(k) = 2 pi a sum_n c_n . rows j_2n(ka). Friction adds waves J1(kr) cos(angle), which are the
+derivatives of -J0(kr)/k along x: their charge on a patch is the derivative of that of -J0(kr)/k by the distance.
 """
 
 from collections.abc import Callable, Iterator
@@ -78,11 +78,11 @@ class _OfPoint(Collected):
                 continue
             k, rows = self.k[waves], self.rows[waves, 0]
             phase = self.radius[cases, None, None] * k[:, None] * nodes.b
-            carried = np.einsum("ckb,cb,k->ck", np.cos(phase), turned[:, 0] * nodes.weights, rows[:, 0])
+            spectrum = np.einsum("ckb,cb,k->ck", np.cos(phase), turned[:, 0] * nodes.weights, rows[:, 0])
             down = np.einsum("ckb,cib->cki", np.sin(phase), turned[:, 1:] * nodes.weights, optimize=True)
-            carried += np.einsum("cki,ki->ck", down, rows[:, 1:])
+            spectrum += np.einsum("cki,ki->ck", down, rows[:, 1:])
             patch = -self._wave(cases, k, distance, slope=True) / k
-            charge[cases] += 2 * np.pi * self.radius[cases] ** 2 * np.sum(carried * patch * self.weights[waves], -1)
+            charge[cases] += 2 * np.pi * self.radius[cases] ** 2 * np.sum(spectrum * patch * self.weights[waves], -1)
         return np.asarray(charge * self.thickness**2 / self.scale[2])
 
     def _blocks(self, count: int) -> Iterator[tuple[Indices, slice]]:
@@ -112,8 +112,8 @@ class _OfPoint(Collected):
             k = self.k[waves]
             orders = even_orders(self.radius[cases, None] * k, count)
             transforms = np.einsum("cin,nck->cik", self.terms[cases], orders, optimize=True)
-            carried = np.einsum("cik,ki->ck", transforms, self.rows[waves, row, 1:])
-            integral[cases] += np.sum(carried * wave(cases, k) * self.weights[waves], -1)
+            spectrum = np.einsum("cik,ki->ck", transforms, self.rows[waves, row, 1:])
+            integral[cases] += np.sum(spectrum * wave(cases, k) * self.weights[waves], -1)
         return np.asarray(2 * np.pi * integral * self.size * self.radius / self.scale[2])
 
 

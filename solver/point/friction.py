@@ -174,16 +174,16 @@ def added_tension(stack: Stack, rim: Rim, ratio: float, b: Array, plain: Array, 
     cosines, sines = np.cos(phases), np.sin(phases)
     falling = (last / b[~near]) ** np.array(_FALLING)[:, None]
 
-    def together(values: Array, share: Array) -> Array:
-        """Join the far values into one; (b, channel)."""
-        return np.append(values[:, near], (values[:, ~near] @ share)[:, None], 1).T
+    def merged(values: Array, far_weights: Array) -> Array:
+        """Merge the far values into one at ``last``; (b, channel)."""
+        return np.append(values[:, near], (values[:, ~near] @ far_weights)[:, None], 1).T
 
-    first, second = cosines @ together(plain, falling[0]), sines @ together(turned[1:], falling[1])
+    first, second = cosines @ merged(plain, falling[0]), sines @ merged(turned[1:], falling[1])
     J = bessel_orders(q, np.ones(1), ORDERS)[..., 0]
     dilation = q * J[0] * first.T + q * J[1] * second.T
     hoop = J[1] * first.T + J[2] * second.T
     dilated = np.einsum("ki,ik->", added[:, 0, 1:], rim.stiffness * dilation - rim.shear * hoop)
-    shear = q * (cosines @ together(turned[:1], falling[0]))[:, 0]
+    shear = q * (cosines @ merged(turned[:1], falling[0]))[:, 0]
     along, across = (3 * J[1] - J[3]) / 4, (J[1] + J[3]) / 4
     straight = added[:, 0, 0] * (rim.stiffness * along + (rim.stiffness - rim.shear) * across)
     return float(ratio * stack.scale[0] * (dilated - shear @ (straight + sheared * rim.shear * across)))

@@ -80,7 +80,7 @@ class Inside:
     def _is_near(self, depth: Array, X: Array) -> BoolArray:
         """Mark depths over a at which the half-space's part is closed."""
         far = float(np.max(np.abs(X), initial=1.0)) + 1
-        return np.asarray(depth * self._slowest < max(_NEAR, 34 * far / _MOST_PHASE))
+        return np.asarray(depth * self._rates[0] < max(_NEAR, 34 * far / _MOST_PHASE))
 
     def _decay(self, depth: float) -> float:
         """Decay exponent over k of waves from the surface down to a depth."""
@@ -96,10 +96,6 @@ class Inside:
         base = [] if isinstance(self.stack.base, str) else [self.stack.base]
         shear = [_shear_rate(material) for material in [*(layer.material for layer in self.stack.layers), *base]]
         return np.minimum([float(medium.slowest) for medium in media], shear)
-
-    @cached_property
-    def _slowest(self) -> float:
-        return float(self._rates[0])
 
     @cached_property
     def shear(self) -> Sheared | None:
@@ -207,8 +203,8 @@ class _HalfspacePart:
             return fields
         # k u is the compliance times tau, and both decay at the same rate
         rows = shear_rows(shear, self.names) @ np.array([shear.compliance, 1.0])
-        pulled = np.einsum("nzb,cb->nzc", cosines[:, count].real, -second[:, 0])
-        return np.asarray(fields + np.einsum("nf,nzc->cfz", rows, pulled) / self.inside.stack.scale[0])
+        shear_states = np.einsum("nzb,cb->nzc", cosines[:, count].real, -second[:, 0])
+        return np.asarray(fields + np.einsum("nf,nzc->cfz", rows, shear_states) / self.inside.stack.scale[0])
 
 
 def _shear_rate(material: Material) -> float:

@@ -42,7 +42,7 @@ def peaks_of(inside: Inside, tractions: Tractions, radius: Array, requested: Set
 
 def _by_radius(ratio: Array) -> list[Indices]:
     """Indices of cases of one radius, at most ``_TOGETHER`` at a time."""
-    by_radius = [np.flatnonzero(ratio == share) for share in np.unique(ratio)]
+    by_radius = [np.flatnonzero(ratio == distinct) for distinct in np.unique(ratio)]
     return [cases[start : start + _TOGETHER] for cases in by_radius for start in range(0, cases.size, _TOGETHER)]
 
 

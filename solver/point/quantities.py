@@ -14,14 +14,9 @@ _INTENSITIES = ("electric_edge_intensity", "magnetic_edge_intensity")
 _ENDS = tuple((f"{name}_trailing", f"{name}_leading") for name in _INTENSITIES)
 #: By field: potential, potential per force, charge per force at zero potential, stroke, blocked force, capacitance.
 RESPONSES = (
-    (
-        "voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt",
-        "capacitance",
-    ),
-    (
-        "magnetic_potential", "magnetic_potential_per_force", "flux_per_force", "stroke_per_ampere",
-        "blocked_force_per_ampere", "permeance",
-    ),
+    ("voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt", "capacitance"),
+    ("magnetic_potential", "magnetic_potential_per_force", "flux_per_force", "stroke_per_ampere",
+     "blocked_force_per_ampere", "permeance"),
 )  # fmt: skip
 
 
@@ -49,16 +44,16 @@ def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
     contact = pressed.charged
     if pressed.body.shape.flat:  # a disc does not shift, and its edge has a logarithm
         return {}
-    rubbed = Rubbed(contact)
-    out = {"contact_offset": rubbed.offset}
+    slid = Rubbed(contact)
+    out = {"contact_offset": slid.offset}
     if finite(pressed.body.shape) and pressed.friction is not None:
         out["peak_pressure"] = largest_pressure(contact, pressed.friction)
     size = np.sqrt(np.pi * contact.radius)
     for field in (0, 1):
         if np.all(pressed.conducts[..., field]):
-            at_rest, sliding = contact.intensities[:, 1 + field], size * rubbed.strengths[:, 1 + field]
+            at_rest, sliding = contact.intensities[:, 1 + field], size * slid.strengths[:, 1 + field]
             out |= dict(zip(_ENDS[field], (at_rest + sliding, at_rest - sliding), strict=True))
-    return out | ({} if rim is None else {"trailing_tension": rubbed.tension(rim)})
+    return out | ({} if rim is None else {"trailing_tension": slid.tension(rim)})
 
 
 def _responses(pressed: Pressed, contact: PointContact, port: Stiffness, field: int) -> tuple[Array, ...]:

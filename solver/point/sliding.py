@@ -40,7 +40,9 @@ class Rubbed:
         form = np.broadcast_to(-2 / np.pi * inverse[..., :, 0], contact.state.strengths.shape)
         series, causes = np.zeros((*form.shape, 0)), contact.state.causes
         if isinstance(body, Film):
-            series = body.gathered(contact.radius, lambda table, ratio, cases: table.tractions(ratio, causes[cases]))
+            series = body.from_windows(
+                contact.radius, lambda table, log_a, cases: table.tractions(log_a, causes[cases])
+            )
         unit = self._unit[:, None]
         return Density(body.shape, contact.state.strengths * unit, form * unit, series * unit[..., None])
 
@@ -83,7 +85,7 @@ class Rubbed:
             values = np.einsum("cdf,cd->cf", table.read(log_ratio), contact.state.causes[cases, body.shape.driving])
             return np.insert(values[:, 1:].reshape(cases.size, 3, -1), 0, values[:, :1], axis=-1)
 
-        shift_and_series = body.gathered(contact.radius, read)
+        shift_and_series = body.from_windows(contact.radius, read)
         return shift_and_series[:, 0, 0], shift_and_series[..., 1:] * self._unit[:, None, None]
 
     @property
@@ -123,7 +125,7 @@ class Rubbed:
                 plain, slid = np.einsum("cmd,cd->mc", tensions, contact.state.causes[cases, 1:])
                 return np.asarray(plain + friction.coefficient[cases] * slid)
 
-            stress = stress + body.gathered(contact.radius, read) * self._unit
+            stress = stress + body.from_windows(contact.radius, read) * self._unit
         return np.asarray(stress)
 
     @property

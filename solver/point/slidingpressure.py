@@ -45,25 +45,25 @@ class Ray:
 
     @cached_property
     def r(self) -> Array:
-        """Radius r/a; (place,)."""
+        """Radius r/a; (point,)."""
         return np.sin(self._angles)
 
     @cached_property
     def x(self) -> Array:
-        """Return sqrt(1 - r^2); (place,)."""
+        """Return sqrt(1 - r^2); (point,)."""
         return np.cos(self._angles)
 
     @cached_property
     def b(self) -> Array:
-        """Return sqrt(r^2 + w^2) of the integrals; (place, node)."""
+        """Return sqrt(r^2 + w^2) of the integrals; (point, node)."""
         return np.hypot(self.r[:, None], self.x[:, None] * LINE)
 
     def summed(self, rates: Array) -> Array:
-        """Integrate rates at ``b``, (..., place * node), over w, divided by r; (..., place)."""
+        """Integrate rates at ``b``, (..., point * node), over w, divided by r; (..., point)."""
         return np.asarray(rates.reshape(*rates.shape[:-1], *self.b.shape) @ LINE_WEIGHTS * (self.x / self.r))
 
     def top(self, middle: Array, turned: Array) -> Array:
-        """Largest of p0 + p1 cos(angle), both (case, place); (case,)."""
+        """Largest of p0 + p1 cos(angle), both (case, point); (case,)."""
         both_rays = np.concatenate([(middle - turned)[:, ::-1], middle + turned], 1)
         return highest(both_rays[:, None, None], self.counts, ITSELF).value
 
@@ -78,7 +78,7 @@ def ray_of(shape: Shape) -> Ray:
 
 @cached
 def _closed_pressures(shape: Shape) -> tuple[Array, Array]:
-    """Pressures p1 of a unit shift and of the half-space's unit form; (place,) each."""
+    """Pressures p1 of a unit shift and of the half-space's unit form; (point,) each."""
     ray, e = ray_of(shape), shape.exponent
     b = ray.b.ravel()
     return (e - 1) * ray.summed(b ** (e - 2)), shape.rise * 2 / np.pi * ray.summed(hilbert_form_rates(e, b))
@@ -86,14 +86,14 @@ def _closed_pressures(shape: Shape) -> tuple[Array, Array]:
 
 @cached
 def _series_pressures(shape: Shape, even: int, count: int) -> tuple[Array, Array]:
-    """Pressures p1 of the layers' even functions without friction, and of P_n(2 b - 1); (n, place) each."""
+    """Pressures p1 of the layers' even functions without friction, and of P_n(2 b - 1); (n, point) each."""
     ray = ray_of(shape)
     b = ray.b.ravel()
     return 2 / np.pi * ray.summed(second_kind_rates(b, even)), ray.summed(legendre_rates(b, count).T)
 
 
 def turned_pressures(response: Response, density: Density, shift: Array, series: Array, channel: int = 0) -> Array:
-    """Pressures p1, or -t_1 of another channel, on the ray, per eta if ``density`` is; (column, place)."""
+    """Pressures p1, or -t_1 of another channel, on the ray, per eta if ``density`` is; (column, point)."""
     # shift: c/a times the densities' unit, (column,); series: layers' part of psi in P_n(2 b - 1), (column, n)
     by_friction, by_shift = response.factors
     shift_pressure, form_pressure = _closed_pressures(density.shape)
@@ -105,7 +105,7 @@ def turned_pressures(response: Response, density: Density, shift: Array, series:
 
 @cached
 def _of_halfspace(shape: Shape) -> Array:
-    """Pressures p1 per eta of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (place,)."""
+    """Pressures p1 per eta of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (point,)."""
     ones = np.ones((1, 3))
     density = Density(shape, 0 * ones, -ones, np.zeros((1, 3, 0)))
     response = Response(np.eye(3), np.eye(3)[0], shape)
@@ -115,7 +115,7 @@ def _of_halfspace(shape: Shape) -> Array:
 
 @cached
 def _turned_series(window: SlidingWindow) -> Array:
-    """Chebyshev coefficients over a window of the pressures p1 per (V, Psi, g) and eta; (node, place, 3)."""
+    """Chebyshev coefficients over a window of the pressures p1 per (V, Psi, g) and eta; (node, point, 3)."""
     pressures = [
         turned_pressures(window.response, causes, shift, series[:, 0]) for causes, shift, series in window.solutions
     ]
@@ -136,7 +136,7 @@ def largest_pressure(contact: PointContact, friction: Friction) -> Array:
 
 
 def _pressures(contact: PointContact, friction: Friction, cases: Indices) -> tuple[Array, Array]:
-    """Pressures p0 and p1 of ``cases`` on the ray, over C a^(e-1); (case, place) each."""
+    """Pressures p0 and p1 of ``cases`` on the ray, over C a^(e-1); (case, point) each."""
     body, eta = contact.pressed.body, friction.coefficient[cases, None]
     shape, ray = body.shape, ray_of(body.shape)
     inverse = np.linalg.inv(np.broadcast_to(contact.state.stiffness.compliance, (contact.radius.size, 3, 3))[cases])

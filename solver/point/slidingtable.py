@@ -82,20 +82,19 @@ class SlidingWindow:
     @cached_property
     def _tensions(self) -> Array:
         """Chebyshev coefficients of ``tensions``, without friction and per eta, by (V, Psi, g); (node, 2, 3)."""
-        kind, nodes = self.window.kind, self.window.nodes
-        inside, rows, rim = Inside(kind.film), ("stress_xx",), np.ones(1)
-        stresses = []
-        for number, ratio in enumerate(np.exp(nodes).tolist()):
-            density, ratios, solved = self._causes(number), np.full(3, ratio), self._solved[number]
+        inside, names, stresses = Inside(self.window.kind.film), ("stress_xx",), []
+        for radius, (density, shift, series) in zip(np.exp(self.window.nodes), self.solutions, strict=True):
+            ratio = np.full(3, radius)
 
-            def sines(b: Array, columns: Indices, density: Density = density, solved: Array = solved) -> Array:
+            def sines(
+                b: Array, columns: Indices, density: Density = density, shift: Array = shift, series: Array = series
+            ) -> Array:
                 """Density psi per eta; (column, 3, b)."""
-                series = solved[columns, 1:].reshape(columns.size, 3, -1)
-                closed = self.response.closed(density.part(columns).hilbert(b)[:, 0], b, solved[columns, 0])
-                return np.asarray(closed + series @ legendre(b, series.shape[-1]).T)
+                closed = self.response.closed(density.part(columns).hilbert(b)[:, 0], b, shift[columns])
+                return np.asarray(closed + series[columns] @ legendre(b, series.shape[-1]).T)
 
-            plain = inside.of_layers(Tractions(ratios, density, np.zeros(3)), rim, rows)[:, 0, 0]
-            slid = inside.of_layers(Tractions(ratios, density, np.ones(3), sines), rim, rows)[:, 0, 0]
+            plain = inside.of_layers(Tractions(ratio, density, np.zeros(3)), _EDGE, names)[:, 0, 0]
+            slid = inside.of_layers(Tractions(ratio, density, np.ones(3), sines), _EDGE, names)[:, 0, 0]
             stresses.append([plain, slid - plain])
         return coefficients(np.array(stresses))
 

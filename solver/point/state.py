@@ -109,9 +109,9 @@ class PressedState:
     def force_rate(self) -> Array:
         """Return dP / d log a with the charges or potentials held, over C a^(e+1); (...). Not for a disc."""
         right = -np.concatenate([self._opening[..., None], np.where(self.held, 0.0, self._released[..., 1:])], -1)
-        moved = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
-        followed = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], moved)
-        return np.asarray(-followed - self._released[..., 0])
+        displacement_rates = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
+        by_displacement = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], displacement_rates)
+        return np.asarray(-by_displacement - self._released[..., 0])
 
     @cached_property
     def tangent(self) -> Array:

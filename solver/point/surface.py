@@ -28,7 +28,7 @@ def added_stresses(contact: PointContact, positions: Array) -> Array:
     if not isinstance(body, Film):
         return np.zeros((contact.radius.size, 2, 1))
     key = tuple(positions.tolist())
-    read = body.gathered(
+    read = body.from_windows(
         contact.radius,
         lambda table, log_ratio, _: table.interval.read(log_ratio, _series(table.kind, table.number, key)),
     )

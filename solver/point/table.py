@@ -157,8 +157,8 @@ def _kernel(film: Stack, number: int, smooth: bool) -> Array:
     radii = np.exp(interval(number).points)
     reach = float(np.max(radii)) / min(float(film.media[0].slowest), 1.0)
     # a kink of the profile at its apex needs more functions
-    share = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
-    count = _FIRST + int(share * np.sqrt(reach))
+    per_root = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
+    count = _FIRST + int(per_root * np.sqrt(reach))
     return interactions(film, radii, count)
 
 

@@ -72,8 +72,8 @@ class ShearWaves:
         reflections = []
         for body, layer in zip(self._bodies[::-1], self.stack.layers[::-1], strict=True):
             reflection = (below - body.compliance) / (below + body.compliance)
-            trip = reflection * np.exp(-2 * body.rate * self.k * layer.thickness)
-            below = body.compliance * (1 + trip) / (1 - trip)
+            round_trip = reflection * np.exp(-2 * body.rate * self.k * layer.thickness)
+            below = body.compliance * (1 + round_trip) / (1 - round_trip)
             reflections.append(reflection)
         return reflections[::-1]
 
@@ -82,34 +82,29 @@ class ShearWaves:
         # reflected: without the wave that a half-space of the layer would carry
         k, top, start = self.k, np.ones(self.k.size), 0.0
         for index, (body, layer) in enumerate(zip(self._bodies, self.stack.layers, strict=True)):
-            reflection, once = self._reflections[index], np.exp(-body.rate * k * layer.thickness)
-            trip = reflection * once**2
-            down = top * body.compliance / (1 - trip)
+            reflection, decay = self._reflections[index], np.exp(-body.rate * k * layer.thickness)
+            round_trip = reflection * decay**2
+            amplitude = top * body.compliance / (1 - round_trip)
             if index == number:
                 zeta = depth - start
-                falls = body.wave(body.rate * k[:, None] * zeta)
-                rises = body.wave(body.rate * k[:, None] * (layer.thickness - zeta), upward=True)
-                downward = down * trip if reflected else down
-                return np.asarray(downward[:, None] * falls + (down * once * reflection)[:, None] * rises)
-            top = down * once * (1 - reflection) / body.compliance
+                down = body.wave(body.rate * k[:, None] * zeta)
+                up = body.wave(body.rate * k[:, None] * (layer.thickness - zeta), upward=True)
+                downward = amplitude * round_trip if reflected else amplitude
+                return np.asarray(downward[:, None] * down + (amplitude * decay * reflection)[:, None] * up)
+            top = amplitude * decay * (1 - reflection) / body.compliance
             start += layer.thickness
         if self._base is None:
             return np.full((2, k.size, depth.size), np.nan)
-        falls = self._base.wave(self._base.rate * k[:, None] * (depth - start))
-        return np.asarray((top * self._base.compliance)[:, None] * falls)
+        down = self._base.wave(self._base.rate * k[:, None] * (depth - start))
+        return np.asarray((top * self._base.compliance)[:, None] * down)
 
 
 #: Bessel functions J_0 to J_3.
 ORDERS = 4
 
 _ALONG = (
-    "stress_xy",
-    "electric_displacement_x",
-    "magnetic_induction_x",
-    "electric_field_x",
-    "magnetic_field_x",
-    "strain_xy",
-)
+    "stress_xy", "electric_displacement_x", "magnetic_induction_x", "electric_field_x", "magnetic_field_x", "strain_xy",
+)  # fmt: skip
 _TURNING = ("stress_xx", "stress_zz", "strain_xx")
 
 
@@ -211,8 +206,8 @@ class Block:
                 shear_states = np.einsum("skz,kc->kzsc", per_traction, -top[:, 0]) / stack.scale[0]
                 material = stack.layers[number].material if number < len(stack.layers) else stack.base
                 assert isinstance(material, Material)
-                for n, J in enumerate(orders):
-                    _add(out, np.arange(len(names)), shear_rows(Sheared.of(material), names)[n], shear_states, J)
+                for shear, J in zip(shear_rows(Sheared.of(material), names), orders, strict=True):
+                    _add(out, np.arange(len(names)), shear, shear_states, J)
         return out
 
     def _states(self, top: Array, depth: Array, number: int, *, reflected: bool) -> Array:

@@ -1,1 +1,1 @@
-"""A layered body in Fourier space: layers, multiplier, gradings and electrodes; lines and points use it."""
+"""A layered body in Fourier space: layers, response, waves and electrodes."""

@@ -23,17 +23,17 @@ class Electroded(HalfPlane):
 
     @property
     def compliance(self) -> Array:
-        """N of (y, phi, psi); (..., 3, 3)."""
+        """Compliance N of (y, phi, psi); (..., 3, 3)."""
         return self._held[..., 1:, 1:]
 
     @property
     def friction_coupling(self) -> Array:
-        """k of (y, phi, psi); (..., 3)."""
+        """Friction coupling k of (y, phi, psi); (..., 3)."""
         return -self._held[..., 1:, 0]
 
     @property
     def tangential_compliance(self) -> Array:
-        """(L^-1)_xx; (...)."""
+        """Tangential compliance (L^-1)_xx; (...)."""
         return self._held[..., 0, 0]
 
 

@@ -183,7 +183,7 @@ class Stack:
     @property
     def above_ground(self) -> float:
         """Thickness above the first grounded electrode, or of all layers, over that of the top layer."""
-        above = next((count for count, held in enumerate(self.grounded, 1) if 2 in held), len(self.layers))
+        above = next((count for count, components in enumerate(self.grounded, 1) if 2 in components), len(self.layers))
         return sum(layer.thickness for layer in self.layers[:above]) / self.top.thickness
 
     @property
@@ -201,13 +201,13 @@ class Stack:
         """Components (2: phi, 3: psi) held at zero by the interface below each layer."""
         last = len(self.layers) - 1
         metal = self.conductors
-        held = []
+        grounded = []
         for number, layer in enumerate(self.layers):
             electric = layer.electric or ("grounded" if number == last else "bonded")
             electric = "grounded" if metal[number] or metal[number + 1] else electric
             magnetic = layer.magnetic or ("grounded" if number == last and self.rigid else "bonded")
-            held.append(tuple(c for c, kind in ((2, electric), (3, magnetic)) if kind == "grounded"))
-        return tuple(held)
+            grounded.append(tuple(c for c, kind in ((2, electric), (3, magnetic)) if kind == "grounded"))
+        return tuple(grounded)
 
     @cached_property
     def scale(self) -> Array:

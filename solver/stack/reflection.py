@@ -60,8 +60,8 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
 def _difference(compliance: Array, round_trip: Array) -> Array:
     """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
     transposed = np.swapaxes(round_trip, -1, -2)
-    answer = np.swapaxes(np.linalg.solve(np.eye(4) + transposed, transposed), -1, -2)
-    Y = -(compliance + FLIP * compliance) @ answer
+    solution = np.swapaxes(np.linalg.solve(np.eye(4) + transposed, transposed), -1, -2)
+    Y = -(compliance + FLIP * compliance) @ solution
     return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
 
 

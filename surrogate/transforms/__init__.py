@@ -1,1 +1,1 @@
-"""Models whose answers follow from those of others: over groups of inputs, of curves, corrected by measured rows."""
+"""Models that wrap others: over groups of inputs, maxima of curves, corrections by measured rows."""

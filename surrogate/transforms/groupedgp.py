@@ -1,4 +1,4 @@
-"""Surrogates over groups: fewer, better axes inside, the user's own inputs outside."""
+"""Surrogates that are learnt over groups of inputs and queried by the inputs."""
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
@@ -18,11 +18,10 @@ from surrogate.transforms.transformed import Transformed
 
 
 class GroupedGP(Transformed):
-    """A grid Gaussian process of scaled outputs over groups of inputs, asked by the inputs themselves.
+    """A grid Gaussian process of scaled outputs over groups of inputs, queried by the inputs.
 
-    The process learns what `Scales.transform` gives over the groups' axes; means, standard deviations, intervals,
-    gradients and the box are those of the outputs by the inputs. Any set of outputs will do, as many as a curve has
-    points: one data set over the axes serves all, and a `Scaling` each says by what product of powers it is multiplied.
+    The process learns the outputs of `Scales.transform` over the groups' axes; means, standard deviations, intervals,
+    gradients and the box are those of the outputs by the inputs.
 
     Parameters
     ----------
@@ -31,12 +30,12 @@ class GroupedGP(Transformed):
     hyperparameters, compression
         As for `GridGP`, of the process over the axes.
     process : callable, optional
-        Makes that process, not fitted, from the names of the outputs, in place of these two: a `CrossGP`.
+        Returns another process over the axes, not fitted, such as a `CrossGP`, from the names of the outputs.
 
     Attributes
     ----------
     reduced_ : GaussianProcess
-        The process over the axes; `calibrate` corrects and calibrates it, on cases in the user's box.
+        The process over the axes, which `calibrate` corrects and calibrates on cases in the inputs' box.
 
     Examples
     --------
@@ -75,20 +74,20 @@ class GroupedGP(Transformed):
         self.compression = compression
 
     def fit(self, X: xr.Dataset) -> Self:
-        """Fit to a complete factorial over the axes, or to what another process takes.
+        """Fit to a complete factorial over the axes, or to the data set of another process.
 
         Parameters
         ----------
         X : Dataset
-            Dimensions are the groups' axes with their levels as coordinates, or these stand over a dimension of places;
-            variables are the outputs, and every input is a variable or coordinate over some of the dimensions: the
-            cases that were solved, any with these values of the groups.
+            Dimensions are the groups' axes with their levels as coordinates, or one dimension of places with the axes
+            as coordinates. Variables are the outputs; every input is a variable or coordinate: any cases with these
+            values of the groups.
 
         Raises
         ------
         ValueError
-            As `GridGP.fit`; a missing input or output; the logarithm of what changes sign; inputs that do not have the
-            axes' values.
+            As `GridGP.fit`; a missing input or output; the logarithm of an output that changes sign; inputs that do not
+            have the axes' values.
         """
         names = tuple(self.grouping.scalings)
         for name in (*names, *(input_.name for input_ in self.grouping.inputs)):
@@ -125,7 +124,7 @@ class GroupedGP(Transformed):
                 raise ValueError(f"the inputs of the data set do not have its values of the axis {axis.name!r}")
 
     def calibrate(self, dataset: xr.Dataset) -> Self:
-        """Make means and distributions right on held-out cases in the box, as `GridGP.calibrate`, over the axes."""
+        """Correct means and calibrate distributions over the axes, as `GridGP.calibrate`, on cases in the box."""
         points, truth = self.cases(dataset)
         cases = xr.Dataset({**{name: column.reset_coords(drop=True) for name, column in points.items()}, **truth})
         named = named_points(points, self.inputs_)
@@ -133,10 +132,10 @@ class GroupedGP(Transformed):
             axis.name: (named.dims, values.reshape(named.shape))
             for axis, values in zip(self.grouping.axes, self.grouping.axis_values(named.X).T, strict=True)
         }
-        held = self.grouping.reduced(cases, self.outputs_).assign(axes)
+        reduced = self.grouping.reduced(cases, self.outputs_).assign(axes)
         if EVEN in dataset:
-            held = held.assign({EVEN: dataset[EVEN].reset_coords(drop=True)})
-        self.reduced_.calibrate_under(held, unit_coordinates(self.inputs_, named.X))
+            reduced = reduced.assign({EVEN: dataset[EVEN].reset_coords(drop=True)})
+        self.reduced_.calibrate_under(reduced, unit_coordinates(self.inputs_, named.X))
         self.calibration_ = self.reduced_.calibration_
         return self
 
@@ -150,12 +149,12 @@ class GroupedGP(Transformed):
 
     @override
     def thinned(self, errors: Mapping[str, float]) -> Self:
-        """Return the model with root-mean-square errors of outputs that are learnt as they are; others keep theirs."""
+        """Return a cheaper model by the allowed errors of outputs that are learnt without scale or logarithm."""
         plain = {name: error for name, error in errors.items() if self.grouping.scalings.get(name) == Scaling()}
         return self.over({"reduced": self.reduced_.thinned(plain)}) if plain else self
 
     def state(self) -> xr.Dataset:
-        """Return the groups; the process over the axes stands beside them, as `reduced`."""
+        """Return the groups; the process over the axes is stored as the member `reduced`."""
         return self.grouping.state(self.outputs_).assign_attrs(kernel=KERNEL, compression=self.compression)
 
     @override
@@ -204,7 +203,7 @@ class GroupedGP(Transformed):
         return np.asarray((along.sum(axis=1) + self._scales.steepness(X) * mean + added) / self.unit_slopes(X))
 
     def slope_stds(self, t: Array) -> Array:
-        """Return the calibrated deviations of the derivatives: along the axes and of the scale, as independent."""
+        """Return calibrated deviations of the derivatives, (d, p, B), with independent errors of axes and scale."""
         X = self.physical(t)
         mean, std = self.mean_std(X, True)
         stds = self.reduced_.physical_slopes(self.grouping.axis_values(X), self.reduced_.slope_stds)
@@ -226,6 +225,6 @@ class GroupedGP(Transformed):
         return np.asarray(np.sqrt(squares) / self.unit_slopes(X))
 
     def _chained(self, X: Array, slopes: Array, mean: Array) -> Array:
-        """Derivatives by the inputs of what depends on every axis: (axes, p, n) -> (d, axes, p, n)."""
+        """Return derivatives of outputs by the inputs through every axis: (axes, p, n) -> (d, axes, p, n)."""
         chain = self.grouping.jacobian(X).transpose(1, 0, 2)[:, :, None]
         return np.asarray(chain * slopes * self._scales.sizes(X, mean))

@@ -1,10 +1,8 @@
-"""Groups: training axes that are products of powers of the inputs, and outputs over products of powers.
-
-Where a model of the world scales, its outputs depend on fewer numbers than it has inputs. Nothing here knows why.
+"""Groups: training axes and scales that are products of powers of the inputs.
 
     output(x) = scale(x) (f(x) + coefficient log added(x)),   or   sign scale(x) exp(sign f(x))
 
-with scale and added products of powers of the inputs x, and f what is learnt.
+with learnt f, and products of powers of the inputs `scale` and `added`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,22 +17,21 @@ from approximation.arrays import Array
 from surrogate.data.inputs import Input
 
 Powers = Mapping[str, float]
-# How far an axis may lie beyond its range, as a share of it, and still be its end.
-NEAR = 1e-9
+NEAR = 1e-9  # distance beyond the end of an axis's range that counts as rounding, as a share of the range
 
 
 @dataclass(frozen=True)
 class Group:
-    """A training axis: a range with its scale, and the powers of the inputs whose product it is.
+    """A training axis: a constant times a product of powers of the inputs.
 
     Parameters
     ----------
     axis : Input
-        Name, range, scale and units of the axis; the range must hold what the inputs' box gives, see `span`.
+        Name, range, scale and units of the axis; the range must include the values in the inputs' box, see `span`.
     powers : mapping of str to float
-        Power of every input that it is made of; an input alone is ``{name: 1}``.
+        Power of every input in the product; an input alone is ``{name: 1}``.
     constant : float
-        What the product is multiplied by: the part that depends on no input.
+        Factor of the product.
     """
 
     axis: Input
@@ -51,9 +48,9 @@ class Scaling:
     powers : mapping of str to float
         The output is proportional to this product of powers of the inputs.
     coefficient : float
-        What the logarithm of `Grouping.added` is multiplied by, before the product.
+        Factor of the logarithm of `Grouping.added`.
     logarithm : {-1, 0, 1}
-        The sign of an output whose logarithm is learnt, 0 where it is learnt itself.
+        The sign of an output whose logarithm is learnt, otherwise 0.
     """
 
     powers: Powers = field(default_factory=dict)
@@ -68,11 +65,11 @@ class Grouping:
     Parameters
     ----------
     inputs : sequence of Input
-        What the user asks by: the box.
+        Inputs of queries, with the box.
     groups : sequence of Group
         The training axes.
     scalings : mapping of str to Scaling
-        How every output follows.
+        Map from the learnt function to every output.
     added : mapping of str to float
         Powers of the inputs in the product whose logarithm is added.
     reference : mapping of str to float
@@ -81,8 +78,8 @@ class Grouping:
     Raises
     ------
     ValueError
-        One line: an unknown input, one in no group and no scale, a broken power or a logarithm of an input that is not
-        positive, an axis whose range does not hold the box.
+        An unknown input, one in no group and no scale, a fractional power or a logarithm of an input that is not
+        positive, an axis whose range does not include the box.
     """
 
     inputs: tuple[Input, ...]
@@ -126,7 +123,7 @@ class Grouping:
 
     @cached_property
     def powers(self) -> Array:
-        """Power of every input in the product that an axis is, (axes, d)."""
+        """Power of every input in the product of every axis, (axes, d)."""
         return np.stack([row_of(group.powers, self.inputs) for group in self.groups])
 
     def axis_values(self, X: Array) -> Array:
@@ -135,7 +132,7 @@ class Grouping:
         U = np.stack([group.constant * _product(X, row) for group, row in products], axis=1)
         low, high = np.array([(axis.low, axis.high) for axis in self.axes]).T
         inside = np.clip(U, low, high)
-        return np.asarray(np.where(np.abs(U - inside) <= NEAR * (high - low), inside, U))  # the ends, but for rounding
+        return np.asarray(np.where(np.abs(U - inside) <= NEAR * (high - low), inside, U))  # no rounding at the ends
 
     def jacobian(self, X: Array) -> Array:
         """Return the derivatives of the axes' values by the inputs at points (n, d): (axes, d, n)."""
@@ -143,16 +140,13 @@ class Grouping:
         return np.stack([group.constant * _slopes(X, row) for group, row in products])
 
     def reduced(self, dataset: xr.Dataset, outputs: Sequence[str]) -> xr.Dataset:
-        """Return a data set of the axes: what is learnt of some outputs, over the dimensions that each has.
-
-        The data set holds outputs and all inputs, as variables or coordinates over any dimensions: the axes, or cases.
-        """
+        """Return the learnt functions of these outputs, from a data set of outputs and inputs over any dimensions."""
         columns = [dataset[input_.name].variable for input_ in self.inputs]
-        own_dims = tuple(dict.fromkeys(dim for column in columns for dim in column.dims))
+        input_dims = tuple(dict.fromkeys(dim for column in columns for dim in column.dims))
         arrays: dict[Any, Any] = {}
         for name in outputs:
             variable = dataset[name].variable
-            dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *own_dims))}
+            dims = {dim: dataset.sizes[dim] for dim in dict.fromkeys((*variable.dims, *input_dims))}
             whole = [source.set_dims(dims) for source in (variable, *columns)]  # type: ignore[no-untyped-call]
             array, *factors = (part.values for part in whole)
             X = np.stack([column.ravel() for column in factors], axis=1)
@@ -161,11 +155,11 @@ class Grouping:
         return xr.Dataset(arrays)
 
     def only(self, outputs: Sequence[str]) -> Self:
-        """Return that of some outputs."""
+        """Return the grouping of these outputs."""
         return replace(self, scalings={name: self.scalings[name] for name in outputs})
 
     def state(self, outputs: Sequence[str]) -> xr.Dataset:
-        """Return the numbers for a file, beside the axes themselves."""
+        """Return the numbers for a file, without the axes themselves."""
         scales = Scales(self, outputs)
         return xr.Dataset(
             {
@@ -222,15 +216,15 @@ class Scales:
         self._logarithms = [(int(k), int(self.signs[k])) for k in np.flatnonzero(self.signs)]
 
     def values(self, X: Array) -> Array:
-        """Return what learnt outputs are multiplied by at points (n, d): (p, n)."""
+        """Return the factors of learnt outputs at points (n, d): (p, n)."""
         return np.asarray(np.exp(self._logarithm(X, self._distinct))[self._which])
 
     def steepness(self, X: Array) -> Array:
-        """Return the derivatives of their logarithms by the inputs at points (n, d): (d, p, n)."""
+        """Return the derivatives of the logarithms of `values` by the inputs at points (n, d): (d, p, n)."""
         return np.stack([_steepness(X, row) for row in self.powers], axis=1)
 
     def additions(self, X: Array) -> Array:
-        """Return what is added to learnt outputs at points (n, d): (p, n)."""
+        """Return the logarithms added to learnt outputs at points (n, d): (p, n)."""
         return np.asarray(self.coefficients[:, None] * self._logarithm(X, self.added[None]))
 
     def added_slopes(self, X: Array) -> Array:
@@ -238,7 +232,7 @@ class Scales:
         return np.asarray(self.coefficients[:, None] * _steepness(X, self.added)[:, None])
 
     def transform(self, values: Array, X: Array) -> Array:
-        """Return what is to be learnt of outputs, (p, n), in their units, at physical points X, (n, d): (p, n)."""
+        """Return the learnt functions, (p, n), of outputs (p, n), in their units, at physical points X, (n, d)."""
         learnt = values / self.values(X)
         for k, sign in self._logarithms:
             if (learnt[k] * sign <= 0).any():
@@ -246,22 +240,22 @@ class Scales:
                 raise ValueError(
                     f"output {self.names[k]!r} is from {low:g} to {high:g}: no logarithm of what changes sign"
                 )
-            learnt[k] = sign * np.log(learnt[k] * sign)  # grows with the output
+            learnt[k] = sign * np.log(learnt[k] * sign)  # rises with the output
         return np.asarray(learnt - self.additions(X))
 
     def untransform(self, learnt: Array, X: Array) -> Array:
-        """Return the outputs of what is learnt, (p, n), at physical points X, (n, d): the inverse of `transform`."""
+        """Return the outputs, (p, n), of learnt functions at physical points X, (n, d): the inverse of `transform`."""
         outputs = learnt + self.additions(X)
         for k, sign in self._logarithms:
             outputs[k] = sign * np.exp(sign * outputs[k])
         return np.asarray(outputs * self.values(X))
 
     def sizes(self, X: Array, mean: Array) -> Array:
-        """Return what errors at points X, (n, d), are multiplied by, (p, n): the scale, or a logarithm's output."""
+        """Return the factors of learnt errors at points X, (n, d), the scale or a logarithm's output: (p, n)."""
         return np.asarray(np.where(self.signs[:, None] == 0, self.values(X), np.abs(mean)))
 
     def _logarithm(self, X: Array, rows: Array) -> Array:
-        """Logarithms of products of powers relative to the reference, (rows, n); only positive inputs occur in them."""
+        """Return logarithms of products of powers relative to the reference, (rows, n); their inputs are positive."""
         used = rows.any(axis=0)
         return np.asarray(rows[:, used] @ np.log(X[:, used] / self.references[used]).T)
 
@@ -294,7 +288,7 @@ def _product(X: Array, row: Array) -> Array:
 
 
 def _slopes(X: Array, row: Array) -> Array:
-    """Derivatives of a product by every input, (d, n)."""
+    """Return the derivatives of a product by every input, (d, n)."""
     slopes = np.zeros((len(row), len(X)))
     for k in np.flatnonzero(row):
         others = row.copy()
@@ -304,7 +298,7 @@ def _slopes(X: Array, row: Array) -> Array:
 
 
 def _steepness(X: Array, row: Array) -> Array:
-    """Derivatives of the logarithm of a product by the inputs, (d, n)."""
+    """Return the derivatives of the logarithm of a product by the inputs, (d, n)."""
     steep = np.zeros((len(row), len(X)))
     steep[row != 0] = row[row != 0, None] / X.T[row != 0]
     return steep

@@ -1,4 +1,4 @@
-"""Measured rows, and surrogates that they have corrected: constants moved, discrepancies added, both uncertain.
+"""Measured rows, and surrogates with constants and discrepancies that were learnt from them.
 
 Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425: measured = model(input, constants) + discrepancy(input) + noise,
 with a discrepancy that is a smooth Gaussian process of the inputs.
@@ -21,21 +21,19 @@ from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL, Normal
 from surrogate.transforms.transformed import Transformed
 
-#: Rows that a model is corrected by, at most: the cost grows with their cube.
-MOST_ROWS = 1000
-_MOST_DRAWS = 64  # that a file may hold
+MOST_ROWS = 1000  # measured rows; the cost grows with their cube
+_MOST_DRAWS = 64  # in a file
 
 
 @dataclass(frozen=True)
 class Measurements:
-    """Measured values in a flat list, a row of which may hold several outputs or none."""
+    """Measured values as a flat list, with several of them or none in a row."""
 
-    points: Array  # shape (rows, d); Inputs of every row, in their units
-    # shape (n,); Row and number of the output of every value; no row has an output twice
-    row: Indices
-    output: Indices
-    value: Array  # shape (n,); What was measured, in the output's unit
-    error: Array  # shape (n,); Standard deviation of its error; NaN where nobody knows it
+    points: Array  # shape (rows, d); inputs of every row, in their units
+    row: Indices  # shape (n,); row of every value
+    output: Indices  # shape (n,); number of its output; no row has an output twice
+    value: Array  # shape (n,); in the output's unit
+    error: Array  # shape (n,); standard deviation of its error; NaN if unknown
 
     def __post_init__(self) -> None:
         if any(map(np.ma.is_masked, (self.points, self.value, self.error))):
@@ -48,12 +46,12 @@ class Measurements:
             raise ValueError("an output is measured twice in a row")
 
     def of(self, output: int) -> Indices:
-        """Places of the values of one output."""
+        """Return the indices of the values of one output."""
         return np.flatnonzero(self.output == output)
 
     @property
     def outputs(self) -> list[int]:
-        """Outputs that are measured anywhere, ascending."""
+        """Numbers of the measured outputs, ascending."""
         return [int(number) for number in np.unique(self.output)]
 
 
@@ -61,15 +59,15 @@ class Measurements:
 class Discrepancy:
     """A process a^2 exp(-|x - x'|^2/2) in the scaled inputs over their lengths, known at measured points."""
 
-    points: Array  # shape (n, d); Scaled inputs, -1 to 1, of the measured values
-    noise: Array  # shape (n,); Variance of their errors, that of the model among them
-    amplitude: float  # Standard deviation a of the process, in the output's unit
-    lengths: Array  # shape (d,); Length along every scaled input
-    residual: Array  # shape (n,); Measured less model with the constants at zero, as linear in them
-    slopes: Array  # shape (n, k); Derivatives of the model by the constants at the points
+    points: Array  # shape (n, d); scaled inputs, -1 to 1, of the measured values
+    noise: Array  # shape (n,); variance of their errors and of the model's
+    amplitude: float  # standard deviation a of the process, in the output's unit
+    lengths: Array  # shape (d,); length along every scaled input
+    residual: Array  # shape (n,); measured values less the linearised model with the constants at zero
+    slopes: Array  # shape (n, k); derivatives of the model by the constants at the points
 
     def covariance(self, points: Array) -> Array:
-        """Return the covariance of the process at scaled points (m, d) with its values at its own: (m, n)."""
+        """Return the covariance of the process between scaled points (m, d) and the measured ones: (m, n)."""
         square = cdist(points / self.lengths, self.points / self.lengths, "sqeuclidean")
         return np.asarray(self.amplitude**2 * np.exp(-0.5 * square))
 
@@ -82,13 +80,13 @@ class Discrepancy:
 
     @cached_property
     def whitened(self) -> tuple[Array, Array]:
-        """The inverse of the covariance applied to the residuals (n,) and to the slopes (n, k)."""
+        """Inverse covariance times residuals, (n,), and times slopes, (n, k)."""
         solved = cho_solve((self.factor, True), np.column_stack([self.residual, self.slopes]))
         return solved[:, 0], solved[:, 1:]
 
     @property
     def information(self) -> tuple[Array, Array]:
-        """Return the precision (k, k) of the constants, and its product with their estimate (k,)."""
+        """Precision (k, k) of the constants, and its product with their estimate, (k,)."""
         residual, slopes = self.whitened
         return self.slopes.T @ slopes, self.slopes.T @ residual
 
@@ -97,7 +95,7 @@ class Discrepancy:
         return self._conditioned(self.covariance(points), self.amplitude**2)
 
     def gradient(self, points: Array) -> tuple[Array, Array, Array]:
-        """Return the same of its derivatives by the scaled inputs: (d, m), (d, m, k), (d, m)."""
+        """Return m0, m1 and the variance of the derivatives by the scaled inputs: (d, m), (d, m, k), (d, m)."""
         cross = self.covariance(points)
         parts = [
             self._conditioned(
@@ -118,16 +116,15 @@ class Discrepancy:
 
 @dataclass(frozen=True)
 class Draw:
-    """The posterior at one draw of all else that is unknown: discrepancies' sizes and lengths, errors, outliers."""
+    """Posterior of the scaled constants, given one draw of the discrepancies' parameters, errors and outliers."""
 
-    # Of the scaled constants: (k,), (k, k)
-    mean: Array
-    covariance: Array
-    discrepancies: Mapping[int, Discrepancy]  # The process of every measured output, by its number
+    mean: Array  # shape (k,)
+    covariance: Array  # shape (k, k)
+    discrepancies: Mapping[int, Discrepancy]  # process of every measured output, by its number
 
     @classmethod
     def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
-        """Return what measured values say of scaled constants of prior deviations (k,), zero where one is known."""
+        """Return the posterior of scaled constants with prior deviations (k,), zero for known ones."""
         precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
         for discrepancy in discrepancies.values():
             information, estimate = discrepancy.information
@@ -137,14 +134,14 @@ class Draw:
 
 
 def posterior(precision: Array, weighted: Array, prior: Array) -> tuple[Array, Array]:
-    """Return mean (k,) and covariance (k, k) of normal unknowns of zero prior means and these prior deviations (k,)."""
+    """Return mean (k,) and covariance (k, k) of normal unknowns with zero prior means and prior deviations (k,)."""
     inner = np.linalg.inv(np.eye(len(prior)) + prior[:, None] * precision * prior)
     covariance = prior[:, None] * (inner + inner.T) / 2 * prior
     return covariance @ weighted, covariance
 
 
 def moments(parts: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Return mean and variance of an even mixture from the means and variances of its parts, of any shape."""
+    """Return mean and variance of an even mixture from the means and variances, any shape, of its parts."""
     means, variances = (np.stack(part) for part in zip(*parts, strict=True))
     return means.mean(axis=0), variances.mean(axis=0) + means.var(axis=0)
 
@@ -158,11 +155,11 @@ def mixture(draws: Sequence[Draw]) -> tuple[Array, Array]:
 
 
 class CorrectedGP(Transformed):
-    """A nominal surrogate, the effects of uncertain constants on it, and what measured rows say of both.
+    """A nominal surrogate, corrected for uncertain constants and discrepancies that measured rows determine.
 
-    An output is that of the nominal model, plus the effect of the constants (k,) about which it was linearised, plus
-    its derivatives by the constants times these, plus the discrepancy of a measured output. The intervals hold the
-    nominal model's own error, that of the effects, (p,), and what is left unknown of constants and discrepancies.
+    An output is the sum of the nominal model, the effect of the constants (k,) about which it was linearised, its
+    derivatives by the constants times their deviation, and a discrepancy. Intervals include the errors of the nominal
+    model and of the effects, (p,), and the posterior uncertainty of constants and discrepancies.
     """
 
     engine: ClassVar[str] = "corrected"
@@ -198,27 +195,27 @@ class CorrectedGP(Transformed):
             raise ValueError("the effects have other inputs, or not an output for every output and constant")
 
     def only(self, outputs: Sequence[str]) -> Self:
-        """Return the model itself: its constants are those of all outputs that were measured."""
+        """Return the model itself, since its constants depend on all measured outputs."""
         return self
 
     @property
     def calibrated(self) -> bool:
-        """Return True if the intervals rest on held-out cases of the nominal model too."""
+        """Return True if the nominal model is calibrated on held-out cases."""
         return self.nominal_.calibrated
 
     @property
     def parts(self) -> int:
-        """Number of parts of the variance: one."""
+        """Number of parts of the variance."""
         return 1
 
     @property
     def posterior(self) -> tuple[Array, Array]:
-        """Mean (k,) and covariance (k, k) of the scaled constants; a priori zero and the identity."""
+        """Posterior mean (k,) and covariance (k, k) of the scaled constants; a priori zero and the identity."""
         return mixture(self.draws_)
 
     @property
     def _each(self) -> int:
-        """Outputs of the effects for every output."""
+        """Number of outputs of `effect_` for every output."""
         return 1 + len(self.constants_)
 
     @override
@@ -235,9 +232,9 @@ class CorrectedGP(Transformed):
         return mean, weights[0][:, None] * variance
 
     def _shifts(self, effect: Array, known: Callable[[Discrepancy], tuple[Array, Array, Array]]) -> tuple[Array, Array]:
-        """Shift of the nominal means or slopes over all draws, and its variance, (..., p, B) each.
+        """Return mean and variance over all draws, (..., p, B) each, of the shift of nominal means or slopes.
 
-        effect: (..., p, 1 + k, B), of the constants; known: takes a discrepancy, gives `at` or `gradient`.
+        effect: (..., p, 1 + k, B), of the constants; known: returns a discrepancy's `at` or `gradient`.
         """
         parts = []
         for draw in self.draws_:
@@ -261,14 +258,14 @@ class CorrectedGP(Transformed):
         return np.asarray(weights[0][:, None] * self._slope_moments(t)[1])
 
     def _slope_moments(self, t: Array) -> tuple[Array, Array]:
-        """Means and variances of the slopes, (d, p, B) each."""
+        """Return means and variances of the slopes, (d, p, B) each."""
         effect = self._derivatives(self.effect_, t)[0].reshape(len(t), len(self.outputs_), self._each, -1)
         shift, variance = self._shifts(effect, lambda discrepancy: discrepancy.gradient(t.T))
-        nominal, own_variance = self._derivatives(self.nominal_, t)
-        return nominal + shift, own_variance + variance
+        nominal, nominal_variance = self._derivatives(self.nominal_, t)
+        return nominal + shift, nominal_variance + variance
 
     def _derivatives(self, model: GaussianProcess, t: Array) -> tuple[Array, Array]:
-        """Derivatives of a member by the scaled inputs, and their variances, (d, p, B) each."""
+        """Return a member's derivatives by the scaled inputs, and their variances, (d, p, B) each."""
         X = self.physical(t)
         gradient = model.gradient(X, return_std=True, extrapolate=True)
         chain = self.unit_slopes(X)
@@ -316,7 +313,7 @@ class CorrectedGP(Transformed):
         return state.assign_attrs(learnt=self.learnt_)
 
     def _flat(self, parts: Sequence[Array]) -> Array:
-        """Join parts, one a measured output, into an array over the measured values."""
+        """Join parts, one per measured output, into an array over the measured values."""
         whole = np.empty((len(self.rows_.value), *parts[0].shape[1:]))
         for q, part in zip(self.rows_.outputs, parts, strict=True):
             whole[self.rows_.of(q)] = part

@@ -1,4 +1,4 @@
-"""Models whose answers follow from those of others: what all of them share, whatever the transform."""
+"""Base class of models that wrap others."""
 
 from collections.abc import Mapping, Sequence
 from copy import copy
@@ -11,14 +11,10 @@ from surrogate.transforms.groups import Grouping
 
 
 class Transformed(GaussianProcess):
-    """A model that wraps others, its members, and turns their answers into its own.
-
-    A transform gives answers from those of the members, and says which of their outputs stand behind its own. Parts,
-    thinner, uncalibrated and stored models follow: those of the members, under the same transform.
-    """
+    """A model that wraps others, its members, and transforms their answers into its own."""
 
     CALIBRATED: ClassVar[tuple[str, ...]] = ()  # names of the members that `calibrate` changes
-    grouping: Grouping | None = None  # groups of inputs that it stands on
+    grouping: Grouping | None = None  # groups of inputs on which the members are learnt
 
     @override
     @property
@@ -40,7 +36,7 @@ class Transformed(GaussianProcess):
         return self.members[self.MEMBERS[0]].parts
 
     def _lay_out(self) -> None:
-        """Take from the members what answers need; ValueError unless they fit."""
+        """Set attributes that follow from the members; ValueError unless they fit."""
 
     @override
     def uncalibrated(self) -> Self:
@@ -50,25 +46,22 @@ class Transformed(GaussianProcess):
         return model
 
     def only(self, outputs: Sequence[str]) -> Self:
-        """Return the model of some outputs, over what stands behind these; it costs less to ask for.
-
-        Where members are compressed, means agree within the compression's error.
-        """
+        """Return a cheaper model of these outputs, whose means agree within the compression of the members."""
         behind = self._behind(outputs)
         part = self._narrowed(outputs).over({name: self.members[name].only(behind[name]) for name in self.MEMBERS})
-        if part.calibration_ is self.calibration_ is not None:  # its own, not a member's
+        if part.calibration_ is self.calibration_ is not None:  # the model's own calibration, not a member's
             part.calibration_ = self.calibration_.only([self.outputs_.index(name) for name in outputs])
         return part
 
     def _narrowed(self, outputs: Sequence[str]) -> Self:
-        """The transform of some outputs, over members that still have all."""
+        """Return a copy with these outputs, whose members still have all outputs."""
         raise NotImplementedError
 
     def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        """Return, by member, the outputs behind the named outputs of the model."""
+        """Return by member the outputs from which these outputs of the model follow."""
         raise NotImplementedError
 
 
 def groups_of(model: GaussianProcess) -> Grouping | None:
-    """Return the groups of inputs that a model stands on, None where it stands on the inputs."""
+    """Return the groups of inputs over which a model is learnt, None if it is learnt over the inputs."""
     return model.grouping if isinstance(model, Transformed) else None

@@ -21,13 +21,11 @@ from surrogate.transforms.transformed import groups_of
 from surrogate.use.rounding import Rounded
 
 TEMPLATES = Path(__file__).parent / "templates"
-#: What a kernel's tail and the unknown part's may be, of their first terms, to be left out.
-TAIL = 1e-10
-#: Room of the self-test beside the rounding: another processor's logarithm differs in the last digits.
-ROOM = 1e-6
+TAIL = 1e-10  # share of the largest term below which the tail of a kernel's series is left out
+ROOM = 1e-6  # tolerance of the self-test besides the rounding: logarithms of processors differ in the last digits
 _WIDTH = 100
-#: Words that C and C++ keep, and names that math.h has.
-_KEPT = frozenset(
+#: Keywords of C and C++, and names of math.h.
+_RESERVED = frozenset(
     """auto break case char class const continue default delete do double else enum extern float for friend goto if int
     long main namespace new operator private protected public register return short signed sizeof static struct switch
     template this throw try typedef union unsigned using virtual void volatile while exp log pow sqrt""".split()  # noqa: SIM905
@@ -35,7 +33,7 @@ _KEPT = frozenset(
 
 
 def environment(*, escaped: bool = False) -> jinja2.Environment:
-    """Return the templates of exported files; names that they lack are errors."""
+    """Return the templates of exported files; undefined names are errors."""
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES), undefined=jinja2.StrictUndefined, trim_blocks=True,
         lstrip_blocks=True, keep_trailing_newline=True, autoescape=escaped,
@@ -43,9 +41,9 @@ def environment(*, escaped: bool = False) -> jinja2.Environment:
 
 
 def identifier(name: str) -> str:
-    """Return a name as C allows it; ValueError where it has no letter to begin with."""
+    """Return a name as an identifier of C; ValueError if it cannot be one."""
     plain = re.sub(r"_+", "_", re.sub(r"\W", "_", name, flags=re.ASCII)).strip("_")
-    if not plain or not plain[0].isalpha() or plain in _KEPT or len(plain) > 40:
+    if not plain or not plain[0].isalpha() or plain in _RESERVED or len(plain) > 40:
         raise ValueError(f"{name!r} is no name in C: a letter, then up to 39 letters, digits and underscores")
     return plain
 
@@ -86,7 +84,7 @@ def macros(names: Sequence[str]) -> list[str]:
 
 
 class _Context:
-    """What the templates need, numbers as C has them."""
+    """Values of the templates, with numbers as literals of C."""
 
     def __init__(self, name: str, outputs: Sequence[Rounded], arithmetic: type[np.floating[Any]]) -> None:
         self._arithmetic = arithmetic
@@ -152,7 +150,7 @@ class _Context:
         self.values |= self._probes(outputs)
 
     def number(self, value: float) -> str:
-        """A number in the precision of the arithmetic; what is denormal is zero."""
+        """Return a number as a literal in the precision of the arithmetic."""
         return literal(value, self._arithmetic)
 
     def numbers(self, values: ArrayLike) -> list[str]:
@@ -165,7 +163,7 @@ class _Context:
         return f"(float)log((double)({text}))" if self._arithmetic == np.float32 else f"log({text})"
 
     def _unit(self, axis: Input, text: str) -> str:
-        """The scaled coordinate of a value."""
+        """Return the scaled coordinate of an expression."""
         ends = np.array([[axis.low], [axis.high]])
         number = self.number
         if axis.scale == "linear":
@@ -178,7 +176,7 @@ class _Context:
         return f"{number(2 / (end - start))} * ({inner} - {number(start)}) - {number(1)}"
 
     def _product(self, row: Sequence[float], constant: float = 1.0, without: int = -1) -> str:
-        """A constant times powers of the inputs, of one of them one power less."""
+        """Return a constant times powers of the inputs, reduced by one for the input `without`."""
         above: list[str] = [self.number(constant)] if constant != 1 else []
         below: list[str] = []
         for k, power in enumerate(row):
@@ -191,7 +189,7 @@ class _Context:
         return f"({product} / ({' * '.join(below)}))" if below else f"({product})"
 
     def _slopes(self, model: GaussianProcess, grouping: Grouping | None) -> list[list[str]]:
-        """Derivatives of the axes' scaled coordinates by the inputs."""
+        """Return the derivatives of the axes' scaled coordinates by the inputs, (axes, d)."""
         groups = [Group(axis, {axis.name: 1.0}) for axis in model.inputs_] if grouping is None else grouping.groups
         rows = [(group, row_of(group.powers, model.inputs_).tolist()) for group in groups]
         return [[self._slope(group, row, k) for k in range(len(row))] for group, row in rows]
@@ -217,7 +215,7 @@ class _Context:
         kernels: Sequence[Mapping[str, Any]],
         scales: Scales | None,
     ) -> dict[str, Any]:
-        """One output's table."""
+        """Return the values of one output's table."""
         grid, model = part.grid, part.model
         learnt, train, d = model.calibration_, grid.chebyshev_, len(grid.factors_)
         size = float(grid.scale_[0])
@@ -263,7 +261,7 @@ class _Context:
         return table
 
     def _probes(self, outputs: Sequence[Rounded]) -> dict[str, Any]:
-        """The stored predictions of the surrogate's file, with the room of the rounding."""
+        """Return the stored predictions of the surrogate's file, with the tolerance of the rounding."""
         points = probe_points(outputs[0].model.inputs_)
         answers = np.array([
             (part.exact.predict_array(points), *part.exact.interval_array(points, NOMINAL)) for part in outputs
@@ -276,14 +274,14 @@ class _Context:
 
 
 def _kernel(decay: Array, unknown: Array) -> dict[str, Any]:
-    """A factor's kernel and its unknown part over the first term, without their tails."""
+    """Return a factor's kernel and its unknown part over the first term, without their tails."""
     first = float(unknown[0])
     relative = unknown / first if first else unknown[:0]
     return {"kernel": _headed(decay), "unknown": _headed(relative), "first": first}
 
 
 def _headed(series: Array) -> Array:
-    """A series of terms >= 0 without the tail."""
+    """Return a series of terms >= 0, (n,), without its negligible tail."""
     if not series.size:
         return series
     tail = np.cumsum(series[::-1])[::-1]
@@ -291,12 +289,12 @@ def _headed(series: Array) -> Array:
 
 
 def _corners(guard: Guard) -> Array:
-    """The four corners of every pair: lower and upper end of the first, within these of the second."""
+    """Return the four corners of every pair, (pairs, 2, 2): low and high ends of the first and the second input."""
     return guard.corners[:, ::2, ::2, 0]
 
 
 def literal(value: float, kind: type[np.floating[Any]]) -> str:
-    """Return a number as C has it, to the last digit of a precision; what is denormal is zero."""
+    """Return a number as a literal of C, exact in a precision; denormal numbers are zero."""
     with np.errstate(over="ignore"):
         rounded = kind(value)
     if not np.isfinite(rounded):
@@ -307,10 +305,10 @@ def literal(value: float, kind: type[np.floating[Any]]) -> str:
 
 
 def _described(name: str, units: str, meaning: str) -> str:
-    """Name, unit and meaning."""
+    """Return name, unit and meaning as a text."""
     return " ".join(filter(None, [name, f"[{units or '1'}]", meaning]))
 
 
 def _ranged(axis: Input) -> str:
-    """Name, unit, meaning and range of an input."""
+    """Return name, unit, meaning and range of an input as a text."""
     return f"{_described(axis.name, axis.units, axis.long_name)}, from {axis.low!r} to {axis.high!r}"

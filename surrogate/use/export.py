@@ -1,4 +1,4 @@
-"""A model as plain data, for evaluation in a browser: rounded means, and what makes intervals of variances."""
+"""A model as plain data, for evaluation in a browser: rounded means, variances and calibration."""
 
 import base64
 from collections.abc import Mapping, Sequence
@@ -18,18 +18,15 @@ from surrogate.transforms.groupedgp import GroupedGP
 from surrogate.use.rounding import FRESH, Rounded, grid_of, points_of_box, rounded
 
 FORMAT = 5
-#: Error that the rounding may make, over an output's range: below what a page shows.
-ERROR = 1e-6
-#: Points of the box on which the rounding is tried, and as many fresh ones: a tenth of those of exported code.
-POINTS = 2000
-#: Rounding of fields of curves, over their scales.
-STEP = 1e-7
-# Arrays of the calibration in single precision: logarithms of scales.
+ERROR = 1e-6  # of the rounding, over an output's range: below the digits that a page shows
+POINTS = 2000  # fresh points on which the rounding is judged, a tenth of those of exported code
+STEP = 1e-7  # rounding of fields of curves, over their scales
+# Arrays of the calibration that are stored in single precision: logarithms of scales.
 _SINGLE = ("trend", "trend_range", "guard", "corner_guard", "outer_guard", "outer_corner_guard", "outer_pooled_guard")
 
 
 def exported(model: GaussianProcess) -> dict[str, Any] | None:
-    """Return what mean, standard deviation and interval need, as what JSON can hold; None: only Python evaluates it."""
+    """Return a model as JSON-ready data for means, deviations and intervals; None if only Python can evaluate it."""
     smooth = model.smooth_ if isinstance(model, CurveGP) else model
     if not isinstance(smooth, GridGP | GroupedGP):
         return None
@@ -63,7 +60,7 @@ def exported(model: GaussianProcess) -> dict[str, Any] | None:
 
 
 def _rooms(model: GaussianProcess, parts: Sequence[Rounded]) -> Array:
-    """Largest error of the rounding of every output, (p,), on fresh points."""
+    """Return the largest rounding error of every output, (p,), on fresh points."""
     if not isinstance(model, CurveGP):
         return np.array([part.room for part in parts])
     X = points_of_box(model, FRESH, POINTS)
@@ -72,7 +69,7 @@ def _rooms(model: GaussianProcess, parts: Sequence[Rounded]) -> Array:
 
 
 def _train(part: Rounded) -> dict[str, Any]:
-    """A train over Chebyshev polynomials of one output, its cores one after the other."""
+    """Return one output's train over Chebyshev polynomials, its cores in one array."""
     cores = part.grid.chebyshev_.cores
     return {
         "modes": [core.shape[1] for core in cores],
@@ -83,14 +80,14 @@ def _train(part: Rounded) -> dict[str, Any]:
 
 
 def _outputs(model: GaussianProcess, rooms: Array) -> dict[str, Any]:
-    """The outputs, what is learnt of their deviations, and the ends of their intervals in deviations."""
+    """Return the outputs, their calibration, and the ends of their intervals in standard deviations."""
     learnt, attrs = model.calibration_, model.attrs_
     lower, upper = np.broadcast_to(model.distribution.ends(model.level_), (2, len(model.outputs_)))
     arrays = {} if learnt is None else learnt.arrays()
     arrays |= {name: arrays[name].astype(np.float32) for name in _SINGLE if name in arrays}
     keys, together = ("units", "long_name"), {}
     if learnt is not None and learnt.copula is not None:
-        # the held-out rows as ranks (m, p), and what makes scores of them: quantiles at probabilities
+        # ranks (m, p) of the held-out rows, and the quantiles at probabilities that turn ranks into scores
         quantiles = {"probabilities": PROBABILITIES.tolist(), "quantiles": learnt.distribution.quantiles}
         together = {"together": {"ranks": learnt.copula.ranks, **quantiles}}
     return {
@@ -102,12 +99,9 @@ def _outputs(model: GaussianProcess, rooms: Array) -> dict[str, Any]:
 
 
 def _fields(basis: Basis, sizes: Array) -> dict[str, Any]:
-    """Mean and vectors of curves over the fields' scales, (1 + rank, point, field), row by row in steps of `STEP`.
-
-    sizes: (rank,), of the vectors' scores. A row of large values is in single precision, with step 1.
-    """
+    """Return mean and vectors of curves over the fields' scales in steps of `STEP`; sizes: of the scores, (rank,)."""
     whole = np.concatenate([basis.mean[None], basis.vectors]).swapaxes(1, 2) / basis.scales
-    rows = []
+    rows = []  # a row of large values is in single precision, with step 1
     for row, size in zip(whole, [1.0, *np.maximum(sizes, np.finfo(np.float64).tiny).tolist()], strict=True):
         counts = np.rint(row * (size / STEP))
         large = bool(np.abs(counts).max() > np.iinfo(np.int16).max)
@@ -117,7 +111,7 @@ def _fields(basis: Basis, sizes: Array) -> dict[str, Any]:
 
 
 def _encoded(plain: Any) -> Any:
-    """Return plain values as what JSON can hold: arrays as :func:`_array` says."""
+    """Return plain values with their arrays as `_array` encodes them."""
     if isinstance(plain, np.ndarray):
         return _array(plain)
     if isinstance(plain, Mapping):
@@ -126,7 +120,7 @@ def _encoded(plain: Any) -> Any:
 
 
 def _array(values: NDArray[Any]) -> dict[str, Any]:
-    """An array as its shape, type and base64 of its little-endian bytes; whole numbers are below 32,768."""
+    """Return an array as shape, type and base64 of its little-endian bytes; integers are below 32,768."""
     kind = values.dtype.newbyteorder("<").str
     if values.dtype.kind in "iu":
         kind = "<i1" if np.abs(values).max() <= np.iinfo(np.int8).max else "<i2"

@@ -1,4 +1,4 @@
-"""A rounded surrogate as a unit for system simulators: FMI 3.0, Co-Simulation, with sources and a binary."""
+"""A rounded surrogate as an FMU for system simulators: FMI 3.0, Co-Simulation, with sources and a binary."""
 
 import platform
 import re
@@ -23,17 +23,16 @@ _COMPILERS = ("cc", "gcc", "clang")
 _FLAGS = ("-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-fPIC", "-shared")
 _SYSTEMS = {"linux": ("linux", "so"), "darwin": ("darwin", "dylib")}
 _MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
-#: Parts of an output, as names of variables end.
-_PARTS = ("", "_lower", "_upper")
-_EPOCH = (1980, 1, 1, 0, 0, 0)  # of every member: the same model gives the same bytes
+_PARTS = ("", "_lower", "_upper")  # ends of the names of an output's variables
+_EPOCH = (1980, 1, 1, 0, 0, 0)  # date of every member, so that the same model gives the same bytes
 
 
 def unit(
     name: str, outputs: Sequence[Rounded], arithmetic: type[np.floating[Any]], notes: Sequence[str], tool: str
 ) -> tuple[bytes, bool]:
-    """Return the bytes of an FMU of outputs of one model, and whether a binary for this machine is in it.
+    """Return the bytes of an FMU of outputs of one model, and whether it has a binary for this machine.
 
-    name: as C allows it; notes: lines of the sources' comment; tool: name and version of the program.
+    name: an identifier of C; notes: lines of the sources' comment; tool: name and version of the program.
     """
     texts = code(name, outputs, arithmetic, notes)
     token = "{" + sha256("".join(texts.values()).encode()).hexdigest()[:32] + "}"
@@ -56,12 +55,12 @@ def unit(
 
 
 def _text(text: str) -> str:
-    """A text that XML can hold."""
+    """Return a text without characters that XML forbids."""
     return re.sub(r"[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]", "_", text)
 
 
 def _distinct(name: str, taken: set[str]) -> str:
-    """A name that no variable has yet; it is taken from now on."""
+    """Return a name that no variable has yet, and add it to those taken."""
     free = _text(name)
     while free in taken:
         free += "_"
@@ -70,7 +69,7 @@ def _distinct(name: str, taken: set[str]) -> str:
 
 
 def _variables(outputs: Sequence[Rounded]) -> dict[str, Any]:
-    """What the description says of inputs and outputs."""
+    """Return the description's entries for inputs and outputs."""
     taken = {"time", "status"}
     model = outputs[0].model
     inputs = [
@@ -108,7 +107,7 @@ def _variables(outputs: Sequence[Rounded]) -> dict[str, Any]:
 
 
 def _compiled(name: str, sources: Mapping[str, str]) -> dict[str, bytes]:
-    """The binary for this machine under its name in the archive; nothing where there is no compiler."""
+    """Return the binary for this machine by its name in the archive; none without a compiler."""
     compiler = next(filter(None, map(shutil.which, _COMPILERS)), None)
     system, machine = _SYSTEMS.get(sys.platform), _MACHINES.get(platform.machine().lower())
     if compiler is None or system is None or machine is None:

@@ -1,9 +1,9 @@
-"""Inversion of measured outputs: the posterior of a few inputs, by quadrature that closes in on it.
+"""Inversion of measured outputs: the posterior of a few inputs by adaptive quadrature.
 
-With independent Gaussian errors of the measurements, the model's own variance added to theirs, and a prior that is
-uniform in the scaled inputs (log-uniform on a log scale), the posterior is evaluated on cells of the box. Cells
-in which it is negligible are dropped, the others halved until the outputs change little within one beside their errors.
-While a cell is coarse its errors are widened by that change, so that no narrow peak is stepped over, however many.
+Errors of measurement are independent and Gaussian, the model's variance is added, and the prior is uniform in the
+scaled inputs. Cells of the box with negligible posterior are dropped, others halved until the outputs change little
+within a cell compared with their errors. The errors of a coarse cell include that change, so that no narrow peak is
+missed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,14 +17,14 @@ from surrogate.data.inputs import Input
 from surrogate.face.model import GaussianProcess
 from surrogate.intervals.distribution import NOMINAL
 
-_FIRST = {1: 256, 2: 48, 3: 16}  # cells an input at first, by the number of inputs
-_FINE = 0.12  # half of what outputs may change within a cell, in standard deviations
+_FIRST = {1: 256, 2: 48, 3: 16}  # first cells along an input, by the number of inputs
+_FINE = 0.12  # half of the outputs' largest change within a cell, in standard deviations
 _NEGLIGIBLE = 14.0  # drop of the log-posterior below its largest value
 _ROUNDS = 60
-_MOST_CELLS = 400_000  # cells
-_HOPELESS = 1e15  # misfit, under errors that hold what outputs change within a cell: all cells are alike so far away
+_MOST_CELLS = 400_000
+_HOPELESS = 1e15  # misfit beyond which rounding makes all cells equal
 
-#: Errors of measurement, in any unit, whose squares floating point holds.
+#: Errors of measurement, in any unit, whose squares neither overflow nor vanish.
 SMALLEST_ERROR, LARGEST_ERROR = 1e-150, 1e150
 
 
@@ -35,13 +35,11 @@ class Estimate:
     mean: Array  # shape (k,)
     low: Array  # shape (k,); ends of the central interval
     high: Array
-    # Least sum of squared deviations over variances: beyond about 10 for two measurements, model and measurement do
-    # not agree anywhere in the box
-    misfit: float
+    misfit: float  # least sum of squared deviations over variances: about 10 for two measurements means disagreement
 
 
 class Inversion:
-    """Infers one to three inputs of a model from measured outputs; `known` has the values of all other inputs."""
+    """Infers one to three inputs of a model from measured outputs; `known` holds the values of all other inputs."""
 
     def __init__(
         self, model: GaussianProcess, infer: Sequence[str], measured: Sequence[str], known: Mapping[str, float]
@@ -62,10 +60,7 @@ class Inversion:
         self._columns = [list(model.outputs_).index(name) for name in measured]
 
     def estimate(self, values: Array, errors: Array, level: float = NOMINAL) -> Estimate:
-        """Return the posterior of the inputs, with the central interval of a level.
-
-        values, errors: (m,), measured values and standard deviations of their errors, in the outputs' units and order.
-        """
+        """Return the posterior of the inputs from measured values (m,) and standard deviations of their errors (m,)."""
         if np.ma.is_masked(values) or np.ma.is_masked(errors):
             raise ValueError("measured values and errors must not be masked; leave these outputs out")
         if not np.isfinite(values).all() or not ((errors >= SMALLEST_ERROR) & (errors <= LARGEST_ERROR)).all():
@@ -76,8 +71,8 @@ class Inversion:
         for _ in range(_ROUNDS):
             density, far = _log_density(cells, values, errors**2 + cells.std**2 + cells.change.sum(1) ** 2)
             if far > _HOPELESS:  # all cells would be halved without end
-                nothing = np.full(len(self._inputs), np.nan)
-                return Estimate(nothing, nothing, nothing, far)
+                unknown = np.full(len(self._inputs), np.nan)
+                return Estimate(unknown, unknown, unknown, far)
             cells = cells.only(density >= density.max() - _NEGLIGIBLE)
             changes = (cells.change / np.hypot(errors, cells.std)[:, None]).max(-1)
             coarse = changes.sum(-1) > _FINE
@@ -91,7 +86,7 @@ class Inversion:
 
     @cached_property
     def _first(self) -> "_Cells":
-        """A uniform grid of cells; what an output changes within one is read off its neighbours."""
+        """A uniform grid of cells; neighbouring cells give the change of the outputs within a cell."""
         k, count = len(self._inputs), _FIRST[len(self._inputs)]
         axis = (np.arange(count) + 0.5) * 2 / count - 1
         centre = np.stack([grid.ravel() for grid in np.meshgrid(*[axis] * k, indexing="ij")], -1)
@@ -101,7 +96,7 @@ class Inversion:
         return _Cells(centre, np.full(centre.shape, 1 / count), mean, std, np.stack(change, 1))
 
     def _halved(self, parents: "_Cells", along: Indices) -> "_Cells":
-        """Every cell halved along one input; an output changes within a child as it does from the parent to it."""
+        """Return all cells halved along an input each, (n,); outputs change within a child as from the parent to it."""
         rows = np.arange(len(along))
         half = parents.half.copy()
         half[rows, along] /= 2
@@ -114,7 +109,7 @@ class Inversion:
         return _Cells(centre, np.repeat(half, 2, axis=0), mean, std, np.repeat(change, 2, axis=0))
 
     def _forward(self, centre: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation of the measured outputs, (n, m), at scaled values of the inferred inputs."""
+        """Return means and deviations of the measured outputs, (n, m), at scaled inferred inputs (n, k)."""
         places = {input_.name: input_.from_unit(centre[:, k]) for k, input_ in enumerate(self._inputs)}
         columns = [places.get(name, np.full(len(centre), self._at.get(name, np.nan))) for name in self._model.box]
         mean, std = self._model.predict_array(np.stack(columns, -1), return_std=True)
@@ -132,30 +127,27 @@ class Inversion:
 
 @dataclass(frozen=True)
 class _Cells:
-    """Boxes in the scaled inputs.
+    """Boxes in the scaled inputs, and the outputs in them."""
 
-    Centre and half width (n, k); outputs there (n, m), and half of their change along each input (n, k, m).
-    """
-
-    centre: Array
-    half: Array
-    mean: Array
-    std: Array
-    change: Array
+    centre: Array  # shape (n, k)
+    half: Array  # shape (n, k); half widths
+    mean: Array  # shape (n, m); outputs at the centres
+    std: Array  # shape (n, m)
+    change: Array  # shape (n, k, m); half of the outputs' change along each input
 
     def only(self, chosen: Flags) -> "_Cells":
-        """A part of them."""
+        """Return the chosen cells."""
         return _Cells(*(array[chosen] for array in vars(self).values()))
 
     def joined(self, other: "_Cells") -> "_Cells":
-        """Both together."""
+        """Return these and the other cells."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return _Cells(*(np.concatenate(pair) for pair in pairs))
 
 
 def _log_density(cells: _Cells, values: Array, variance: Array) -> tuple[Array, float]:
-    """Log-posterior density of every cell up to a constant, and the least misfit."""
-    with np.errstate(over="ignore"):  # an infinite misfit is one that nothing mends
+    """Return the log-posterior density of every cell, (n,), up to a constant, and the least misfit."""
+    with np.errstate(over="ignore"):  # an infinite misfit counts as hopeless
         square = (values - cells.mean) ** 2 / variance
     return -0.5 * (square + np.log(variance)).sum(-1), float(square.sum(-1).min())
 

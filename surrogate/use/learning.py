@@ -1,17 +1,14 @@
 """Bayesian learning from measured rows: uncertain constants and smooth discrepancies of a model.
 
-Measured = model(input, constants) + discrepancy(input) + noise, output by output (M. C. Kennedy and A. O'Hagan, J. R.
-Stat. Soc. B 63 (2001) 425). The constants are scaled so that their prior is standard normal; some of them, each for
-itself, may be off by less, by an unknown share of their prior (`shares`). Whether an output has a discrepancy, how true
-stated errors are, which values are outliers, and that share are unknown too: competing explanations of the same rows,
-weighed against each other by one chain. Given them all is linear and Gaussian but the model, which is linearised about
-the constants' estimate until that stays (Gauss-Newton); the constants couple the outputs only through their k x k
-precision.
+Measured = model(input, constants) + discrepancy(input) + noise for every output (M. C. Kennedy and A. O'Hagan, J. R.
+Stat. Soc. B 63 (2001) 425). Scaled constants have a standard normal prior; that of single constants is multiplied by an
+unknown share. Unknown too are each output's discrepancy, the scale of the stated errors, and the outliers, whose errors
+are wider (contaminated normal: G. E. P. Box and G. C. Tiao, Biometrika 55 (1968) 119).
 
-The residuals of an output are drawn by Gibbs sampling: a parameter after the other from its conditional density on a
-lattice through where it is, of random step; constants and discrepancy are integrated over throughout. Errors are
-stated ones times an unknown scale, and of a few values wider still (a contaminated normal: G. E. P. Box and G. C. Tiao,
-Biometrika 55 (1968) 119).
+One Gibbs chain samples these unknowns in turn, each from its conditional density on a lattice of random step through
+its current value. Constants and discrepancies are integrated over: given the other unknowns the problem is linear and
+Gaussian, once the model is linearised about the constants' estimate (Gauss-Newton). The constants couple the outputs
+only through their precision, (k, k).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,55 +23,51 @@ from approximation.arrays import Array, Flags, Indices
 from surrogate.data.inputs import Input, unit_coordinates
 from surrogate.transforms.measured import Discrepancy, Draw, Measurements, mixture, moments, posterior
 
-#: Prior of a discrepancy's amplitude over the size of its output: the density falls as a^-1/2, faster from here on.
+# Priors: density a^-1/2 of a discrepancy's amplitude over the size of its output, falling faster from AMPLITUDE on;
+# log-normal lengths with this median and deviation, in a box of width 2; Student's t with so many degrees of freedom
+# and this scale for the logarithm of true over stated errors.
 AMPLITUDE = 0.2
-#: Prior of its lengths: log-normal, with this median and deviation of the logarithm; the box is 2 wide.
 LENGTH, SPREAD = 2.0, 0.7
-#: Prior of the logarithm of true over stated errors: Student's t with so many degrees of freedom and this scale.
 FREEDOM, TRUST = 2.0, 0.3
-#: Outliers: how many times wider a value's error may be, and how probable each is a priori.
+#: Factors on the errors of outliers, and their prior probabilities.
 WILD, CHANCE = np.array([1.0, 5.0, 25.0]), np.array([0.98, 0.01, 0.01])
 
-_RISE = 0.5  # of the density of log a below AMPLITUDE: that of a is a^-1/2
+_RISE = 0.5  # slope of the logarithm of the density of log a below AMPLITUDE
 _AMPLITUDES, _LENGTHS, _NOISES = (1e-3, 3.0), (0.1, 50.0), (1e-6, 1.0)
 _SCALES = (0.3, 30.0)
 _FIRST_AMPLITUDE, _FIRST_SCALE, _FIRST_NOISE = 0.02, 2.0, 0.02
-_MOST_VALUES = 120  # values of an output that these are drawn from: the cost grows with their cube
-_LARGEST_ODDS = 1000.0  # of a logarithm of odds
-_FRAME = 1e300  # beyond any square of a whitened vector
-_LATTICE_STEPS = {"amplitude": 0.7, "length": 0.8, "scale": 0.25, "loose": 0.5}  # of the lattices, at most
+_MOST_VALUES = 120  # values of an output in the chain, whose cost grows with their cube
+_LARGEST_ODDS = 1000.0  # bound of a logarithm of odds
+_FRAME = 1e300  # exceeds any square of a whitened vector
+_LATTICE_STEPS = {"amplitude": 0.7, "length": 0.8, "scale": 0.25, "unstated": 0.5}  # largest steps of the lattices
 
 
 @dataclass(frozen=True)
 class State:
-    """One draw of all that is unknown of an output, but for the constants."""
+    """One draw of an output's unknowns other than the constants."""
 
-    amplitude: float  # Logarithm of the discrepancy's amplitude over the size of the output
-    lengths: Array  # shape (d,); Logarithms of its lengths
-    scale: float  # Logarithm of true over stated errors
-    loose: float  # Logarithm of the errors that nobody states, over the size of the output
-    wild: Indices  # shape (n,); Number of each value's place in `WILD`
+    amplitude: float  # logarithm of the discrepancy's amplitude over the size of the output
+    lengths: Array  # shape (d,); logarithms of its lengths
+    scale: float  # logarithm of true over stated errors
+    unstated: float  # logarithm of unstated errors over the size of the output
+    wild: Indices  # shape (n,); index in `WILD` of every value
 
 
 @dataclass(frozen=True)
 class Residuals:
     """Measured values of one output, linear in the constants."""
 
-    points: Array  # shape (n, d); Scaled inputs
-    # shape (n,), (n, k); Measured less model with the constants at zero, and derivatives of the model by the
-    # constants
-    residual: Array
-    slopes: Array
-    # shape (n,); Variances of the model's own errors, and of those of measurement as they are stated; zero where they
-    # are not
-    spread: Array
-    stated: Array
-    unknown: Flags  # shape (n,); Values whose error of measurement nobody states: they share one
-    size: float  # Size of the output, by which amplitude and unknown errors are scaled
+    points: Array  # shape (n, d); scaled inputs
+    residual: Array  # shape (n,); measured values less the linearised model with the constants at zero
+    slopes: Array  # shape (n, k); derivatives of the model by the constants
+    spread: Array  # shape (n,); variances of the model's errors
+    stated: Array  # shape (n,); stated variances of the errors of measurement, zero where none is stated
+    unknown: Flags  # shape (n,); values without a stated error, which share one unknown error
+    size: float  # size of the output, the unit of amplitudes and unstated errors
 
     @classmethod
     def of(cls, points: Array, residual: Array, slopes: Array, error: Array, spread: Array, mean: Array) -> "Residuals":
-        """Return residuals of values with stated errors, (n,), NaN where unknown; their size is that of means (n,)."""
+        """Return residuals of values with stated errors, (n,), NaN where unknown, and the size of the means (n,)."""
         size = float(np.sqrt(np.mean(mean**2))) or float(np.abs(residual).max()) or 1.0
         return cls(points, residual, slopes, spread**2, np.nan_to_num(error) ** 2, np.isnan(error), size)
 
@@ -82,16 +75,16 @@ class Residuals:
     def first(self) -> State:
         """Return the first state of a chain: larger errors than stated, no discrepancy, no outlier."""
         lengths = np.full(self.points.shape[1], np.log(LENGTH))
-        amplitude, scale, loose = np.log([_FIRST_AMPLITUDE, _FIRST_SCALE, _FIRST_NOISE]).tolist()
-        return State(amplitude, lengths, scale, loose, np.zeros(len(self.residual), np.intp))
+        amplitude, scale, unstated = np.log([_FIRST_AMPLITUDE, _FIRST_SCALE, _FIRST_NOISE]).tolist()
+        return State(amplitude, lengths, scale, unstated, np.zeros(len(self.residual), np.intp))
 
     def at(self, state: State) -> Discrepancy:
-        """Return the process with what a state says."""
+        """Return the discrepancy's process at a state."""
         amplitude, lengths = float(np.exp(state.amplitude)) * self.size, np.exp(state.lengths)
         return Discrepancy(self.points, self._noise(state), amplitude, lengths, self.residual, self.slopes)
 
     def few(self) -> tuple["Residuals", Indices]:
-        """Return as many of the values as states are drawn from, and which they are."""
+        """Return at most `_MOST_VALUES` values and their indices."""
         n = len(self.residual)
         chosen = np.arange(n)
         if n > _MOST_VALUES:
@@ -100,17 +93,17 @@ class Residuals:
         return replace(self, **{name: getattr(self, name)[chosen] for name in names}), chosen
 
     def usual(self, state: State) -> Array:
-        """Return variances of the errors of values that are no outliers, (n,)."""
+        """Return the variances of all errors, (n,), without outliers."""
         return np.asarray(self.spread + self._plain(state))
 
     def swept(self, state: State, mean: Array, covariance: Array, random: np.random.Generator) -> tuple[State, float]:
-        """Return a state after one Gibbs round over all unknowns, and log-odds of each discrepancy."""
+        """Return the state after one Gibbs round and the log-odds for a discrepancy, given the constants' moments."""
         misfit, shared = self.residual - self.slopes @ mean, self.slopes @ covariance @ self.slopes.T
         noisy = shared + np.diag(self._noise(state))
         state, odds = self._with_amplitude(state, misfit, noisy, random)
         state = self._with_lengths(state, misfit, noisy, random)
         covariance_rest = shared + (np.exp(state.amplitude) * self.size) ** 2 * self._smooth(state.lengths[None])[0]
-        for name, ends, members in (("loose", _NOISES, self.unknown), ("scale", _SCALES, ~self.unknown)):
+        for name, ends, members in (("unstated", _NOISES, self.unknown), ("scale", _SCALES, ~self.unknown)):
             if not members.any():
                 continue
             current = getattr(state, name)
@@ -120,12 +113,12 @@ class Residuals:
             likely = _densities(_with_diagonals(covariance_rest, noise), misfit)
             if name == "scale":
                 likely -= (FREEDOM + 1) / 2 * np.log1p((levels / TRUST) ** 2 / FREEDOM)
-            drawn: dict[str, Any] = {name: float(levels[_pick(likely, random)])}
-            state = replace(state, **drawn)
+            sampled: dict[str, Any] = {name: float(levels[_pick(likely, random)])}
+            state = replace(state, **sampled)
         return replace(state, wild=self._wild(state, misfit, covariance_rest, random)), odds
 
     def completed(self, state: State, chosen: Indices, mean: Array, random: np.random.Generator) -> State:
-        """Return a state that was drawn from some of the values with outliers of the others, at constants (k,), too."""
+        """Return a state of the values `chosen` with sampled outliers of all others, at constants `mean`, (k,)."""
         wild = np.zeros(len(self.residual), np.intp)
         wild[chosen] = state.wild
         whole = replace(state, wild=wild)
@@ -163,22 +156,22 @@ class Residuals:
         return replace(state, lengths=lengths)
 
     def _wild(self, state: State, misfit: Array, covariance: Array, random: np.random.Generator) -> Indices:
-        """Outliers, a value after the other: what a wider error changes of the density is of rank one."""
+        """Return the outliers, (n,), sampled value by value: a wider error is a change of rank one."""
         inverse = np.linalg.inv(covariance + np.diag(self._noise(state)))
         pull, wild, plain = inverse @ misfit, state.wild.copy(), self._plain(state)
-        left, drawn = random.permutation(len(misfit)), random.uniform(size=len(misfit))
-        while len(left):  # until one changes, the conditional chances of all stay as they are
+        left, uniform = random.permutation(len(misfit)), random.uniform(size=len(misfit))
+        while len(left):  # the conditional chances of all values hold until one value changes
             added = plain[left, None] * (WILD**2 - WILD[wild[left], None] ** 2)
             grown = 1 + added * inverse[left, left, None]
             odds = 0.5 * np.minimum(added * pull[left, None] ** 2 / grown, _LARGEST_ODDS)
             chance = CHANCE / np.sqrt(grown) * np.exp(odds)
             share = np.cumsum(chance, axis=1)
-            drawn_level = (share < drawn[left, None] * share[:, -1:]).sum(axis=1)
-            changed = np.flatnonzero(drawn_level != wild[left])
+            sampled = (share < uniform[left, None] * share[:, -1:]).sum(axis=1)
+            changed = np.flatnonzero(sampled != wild[left])
             if not len(changed):
                 break
             first = changed[0]
-            i, k = left[first], drawn_level[first]
+            i, k = left[first], sampled[first]
             wild[i], column, part = k, inverse[:, i].copy(), added[first, k] / grown[first, k]
             pull = pull - part * pull[i] * column
             inverse = inverse - part * np.outer(column, column)
@@ -186,15 +179,15 @@ class Residuals:
         return wild
 
     def _plain(self, state: State) -> Array:
-        """Variances of measurement of values that are no outliers."""
-        loose = (np.exp(state.loose) * self.size) ** 2
-        return np.asarray(np.where(self.unknown, loose, self.stated * np.exp(2 * state.scale)))
+        """Return the variances of the errors of measurement, (n,), without outliers."""
+        unstated = (np.exp(state.unstated) * self.size) ** 2
+        return np.asarray(np.where(self.unknown, unstated, self.stated * np.exp(2 * state.scale)))
 
     def _noise(self, state: State) -> Array:
         return np.asarray(self.spread + WILD[state.wild] ** 2 * self._plain(state))
 
     def _smooth(self, lengths: Array) -> Array:
-        """Correlations of the process among the points, with what keeps them definite: lengths (g, d) to (g, n, n)."""
+        """Return correlations among the points, (g, n, n), with a definite diagonal, for log-lengths (g, d)."""
         n = len(self.points)
         square = np.exp(-2 * lengths) @ self._squares.reshape(lengths.shape[1], -1)
         return np.asarray(np.exp(-0.5 * square).reshape(-1, n, n) + 1e-10 * np.eye(n))
@@ -207,16 +200,16 @@ class Residuals:
 
 
 def _lattice(current: float, ends: tuple[float, float], step: float, random: np.random.Generator) -> Array:
-    """Levels of a logarithm from one end to the other through where it is now, a random step apart."""
+    """Return levels between the logarithms of two ends, through the current one, a random step apart."""
     (low, high), step = np.log(ends), step * float(random.uniform(0.6, 1.0))
     first, last = np.ceil((low - current) / step), np.floor((high - current) / step)
     return np.asarray(current + step * np.arange(first, last + 1))
 
 
 def _densities(covariances: Array, misfit: Array) -> Array:
-    """Logarithms of normal densities (g,) of one vector (n,) under covariances (g, n, n), up to a constant."""
+    """Return log-densities, (g,), of a normal vector (n,) with covariances (g, n, n), up to a constant."""
     g, n = len(covariances), len(misfit)
-    framed = np.empty((g, n + 1, n + 1))  # the last row of its root is the vector, whitened
+    framed = np.empty((g, n + 1, n + 1))  # the last row of its Cholesky factor is the whitened vector
     framed[:, :n, :n], framed[:, n, :n], framed[:, :n, n], framed[:, n, n] = covariances, misfit, misfit, _FRAME
     roots = np.linalg.cholesky(framed)
     sizes = np.log(np.diagonal(roots, axis1=1, axis2=2)[:, :n]).sum(axis=1)
@@ -224,7 +217,7 @@ def _densities(covariances: Array, misfit: Array) -> Array:
 
 
 def _with_diagonals(matrix: Array, diagonals: Array) -> Array:
-    """A matrix (n, n) with diagonals (g, n) added, (g, n, n)."""
+    """Return a matrix (n, n) plus each of the diagonals (g, n): (g, n, n)."""
     matrices = np.repeat(matrix[None], len(diagonals), 0)
     n = len(matrix)
     matrices[:, np.arange(n), np.arange(n)] += diagonals
@@ -232,21 +225,21 @@ def _with_diagonals(matrix: Array, diagonals: Array) -> Array:
 
 
 def _pick(likely: Array, random: np.random.Generator) -> int:
-    """A number by log-densities."""
+    """Return a random index by log-densities."""
     share = np.cumsum(np.exp(likely - likely.max()))
     return int(np.searchsorted(share, random.uniform() * share[-1]))
 
 
-#: Takes scaled constants (k,); gives the model's means at the measured values (n,) and their derivatives (n, k).
+#: From scaled constants (k,) to the model's means at the measured values (n,) and their derivatives (n, k).
 Forward = Callable[[Array], tuple[Array, Array]]
 
-#: Draws that a posterior is the mixture of, and rounds of the chain that they and all shares are taken from.
+#: Draws in the mixture of a posterior, and rounds of the chain.
 DRAWS, ROUNDS = 16, 160
-#: Shares of their prior deviation by which single constants may be off, all alike, and how probable each is a priori.
-OWN, OWN_CHANCE = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.15, 0.25, 0.4, 0.2])
+#: Shares of the prior deviations of single constants, equal for all of them, and their prior probabilities.
+SHARES, SHARE_CHANCES = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.15, 0.25, 0.4, 0.2])
 
 _BURNT, _CHAINS, _CHAIN_STEPS, _FARTHEST_MOVE, _HUGE = 30, 4, 12, 2.0, 500.0
-_STALE = 0.3  # how far constants may move, in prior deviations, until all else is drawn anew
+_STALE = 0.3  # move of the constants, in prior deviations, beyond which a new chain is run
 
 
 class NotSettledError(ValueError):
@@ -257,28 +250,25 @@ class NotSettledError(ValueError):
 class Chain:
     """Draws of one chain, round by round."""
 
-    states: tuple[dict[int, State], ...]  # State of every measured output, by its number
-    shares: Array  # (rounds,), share of their prior by which single constants are off
-    # Log-odds for a discrepancy of every measured output against none, given all else of a round: (rounds,)
-    odds: dict[int, Array]
-    single: Array  # shape (rounds,); Probability that single constants are off at all, given all else of a round
+    states: tuple[dict[int, State], ...]  # state of every measured output, by its number
+    shares: Array  # shape (rounds,); share of the prior of single constants
+    odds: dict[int, Array]  # shape (rounds,); conditional log-odds for a discrepancy of every measured output
+    single: Array  # shape (rounds,); conditional probability that single constants differ at all
 
 
 @dataclass(frozen=True)
 class Learnt:
     """Result of learning from measured rows."""
 
-    about: Array  # shape (k,); Scaled constants about which the model was linearised last
-    draws: tuple[Draw, ...]  # Equally probable
-    chain: Chain  # All that is unknown beside constants and discrepancies
-    wild: Array  # shape (n,); Probability that a value is an outlier
-    # tuple of ndarray, shape (n,) each; Every measured value as predicted from all other rows, and the standard
-    # deviation of their difference
-    left_out: tuple[Array, Array]
+    about: Array  # shape (k,); scaled constants about which the model was last linearised
+    draws: tuple[Draw, ...]  # equally probable
+    chain: Chain  # draws of the other unknowns
+    wild: Array  # shape (n,); probability that a value is an outlier
+    left_out: tuple[Array, Array]  # shape (n,); predictions from all other rows, and deviations of their errors
 
     @property
     def mean(self) -> Array:
-        """Posterior mean of the scaled constants: 1 is one prior standard deviation; (k,)."""
+        """Posterior mean of the scaled constants, in prior standard deviations, (k,)."""
         return mixture(self.draws)[0]
 
     @property
@@ -293,7 +283,7 @@ class Learnt:
 
     @property
     def directions(self) -> tuple[Array, Array]:
-        """Posterior over prior deviation along orthogonal directions, ascending (k,), which are columns of (k, k)."""
+        """Posterior over prior deviations, (k,), ascending, along orthogonal directions, the columns of (k, k)."""
         values, vectors = np.linalg.eigh(self.covariance)
         return np.sqrt(np.maximum(values, 0)), vectors
 
@@ -304,12 +294,12 @@ class Learnt:
 
     @property
     def own_odds(self) -> float:
-        """Bayes factor for single constants being off, compared with their families alone."""
+        """Bayes factor for deviations of single constants against deviations of their families alone."""
         share = float(self.chain.single.mean())
-        return float(share / max(1 - share, 1e-200) * OWN_CHANCE[0] / (1 - OWN_CHANCE[0]))
+        return float(share / max(1 - share, 1e-200) * SHARE_CHANCES[0] / (1 - SHARE_CHANCES[0]))
 
     def scale(self, output: int) -> tuple[float, float, float]:
-        """True over stated errors of a measured output: the median, and the ends of its 95 % interval."""
+        """Return median and ends of the 95 % interval of true over stated errors of a measured output."""
         scales = [states[output].scale for states in self.chain.states]
         low, median, high = np.exp(np.quantile(scales, [0.025, 0.5, 0.975])).tolist()
         return median, low, high
@@ -328,7 +318,7 @@ def learn(
     scaled = unit_coordinates(inputs, rows.points).T
 
     def linearised(about: Array) -> dict[int, Residuals]:
-        """Residuals of every measured output, linear in the constants about some."""
+        """Return the residuals of every measured output, with the model linearised about some constants (k,)."""
         mean, slopes = forward(about)
         residual, parts = rows.value - mean + slopes @ about, {}
         for q in rows.outputs:
@@ -370,7 +360,7 @@ def _settled(
     shares: Array,
     single: Flags,
 ) -> tuple[Array, tuple[Draw, ...]]:
-    """Constants about which their estimate stays, all else at its draws, and the posterior there."""
+    """Return constants, (k,), that are their own estimate given drawn states, and the posterior draws there."""
     for _ in range(_CHAIN_STEPS):
         parts = linearised(about)
         draws = tuple(_draw(parts, state, share, single) for state, share in zip(states, shares, strict=True))
@@ -391,7 +381,7 @@ def _chained(
     random: np.random.Generator,
     rounds: int,
 ) -> Chain:
-    """Rounds of a chain over all that is unknown but constants and discrepancies, which are integrated over."""
+    """Return a chain over all unknowns but constants and discrepancies, which are integrated over."""
     few = {q: part.few()[0] for q, part in parts.items()}
     state = {q: part.first for q, part in few.items()} if start is None else dict(start)
     information = {q: part.at(state[q]).information for q, part in few.items()}
@@ -411,7 +401,7 @@ def _chained(
         likely = _shares(list(information.values()), single)
         chance = np.exp(likely - likely.max())
         chance /= chance.sum()
-        share = float(OWN[random.choice(len(OWN), p=chance)]) if single.any() else 0.0
+        share = float(SHARES[random.choice(len(SHARES), p=chance)]) if single.any() else 0.0
         if number >= _BURNT:
             states.append(dict(state))
             shares.append(share)
@@ -422,10 +412,10 @@ def _chained(
 
 
 def _shares(information: Sequence[tuple[Array, Array]], single: Flags) -> Array:
-    """Log-probabilities of the shares `OWN`, up to a constant, from what every output says of the constants."""
+    """Return log-probabilities of `SHARES`, up to a constant, from every output's information on the constants."""
     precision, weighted = (np.sum([pair[k] for pair in information], axis=0) for k in (0, 1))
-    shares: Array = np.log(OWN_CHANCE)
-    for k, share in enumerate(OWN):
+    shares: Array = np.log(SHARE_CHANCES)
+    for k, share in enumerate(SHARES):
         prior = np.where(single, share, 1.0)
         inner = np.eye(len(prior)) + prior[:, None] * precision * prior
         shares[k] += 0.5 * (posterior(precision, weighted, prior)[0] @ weighted - np.linalg.slogdet(inner)[1])
@@ -433,15 +423,13 @@ def _shares(information: Sequence[tuple[Array, Array]], single: Flags) -> Array:
 
 
 def _draw(parts: Mapping[int, Residuals], states: Mapping[int, State], share: float, single: Flags) -> Draw:
-    """The posterior of the constants where all else is at a draw."""
+    """Return the posterior of the constants given a draw of all other unknowns."""
     return Draw.of({q: part.at(states[q]) for q, part in parts.items()}, np.where(single, share, 1.0))
 
 
 def _left_out(rows: Measurements, draw: Draw, usual: Mapping[int, Array]) -> tuple[Array, Array]:
-    """Every value as predicted without its row, and its variance, were it no outlier, with usual variances of errors.
-
-    These follow from the row's block of the inverse joint covariance.
-    """
+    """Return predictions of all values without their rows, and variances with `usual` errors, without outliers."""
+    # both follow from the row's block of the inverse joint covariance
     n = len(rows.value)
     pull, single, slopes, less = np.empty(n), np.empty(n), np.empty((n, len(draw.mean))), np.empty(n)
     for q, discrepancy in draw.discrepancies.items():

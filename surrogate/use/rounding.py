@@ -1,4 +1,4 @@
-"""Surrogates made small: each output's mean as a short tensor train in rounded numbers, to a stated error."""
+"""Rounded surrogates: each output's mean as a short tensor train of rounded numbers, within an error."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
@@ -19,31 +19,25 @@ from surrogate.gp.tensortrain import TensorTrain, compress
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
 
-#: Type of the numbers: float32 or float64.
-Precision = type[np.floating[Any]]
-# Fresh points that judge the rounding, and share of them that lead it; of a quarter each coordinate is an end.
+Precision = type[np.floating[Any]]  # float32 or float64
+# Fresh points that judge the rounding, share of points that guide it, and share of coordinates at an end of the box.
 POINTS, TRIED, AT_ENDS = 20_000, 0.1, 0.25
-#: Seed of the fresh points.
-FRESH = 1
-# Errors allowed to the train are tried from this multiple of the error asked for, each so many times the one before.
-FIRST, FINER, TRIALS = 4.0, 0.6, 60
-# Trials without a smaller error after which none is expected.
-PATIENCE = 10
-# Share of a precision's last digit below which an error allowed to the train changes nothing.
-ROUNDING = 0.1
-# A correction's terms are left out as long as their largest values add up to this share of the train's error.
-NEGLIGIBLE = 0.25
+FRESH = 1  # seed of the fresh points
+FIRST, FINER, TRIALS = 4.0, 0.6, 60  # first allowed error of the train over the requested one, and its factor per trial
+PATIENCE = 10  # trials without a smaller error after which none is expected
+ROUNDING = 0.1  # share of a precision's last digit below which an allowed error has no effect
+NEGLIGIBLE = 0.25  # share of the train's error that omitted terms of the correction may add up to
 
 
 class RoundedGP(GridGP):
-    """A grid process whose mean is a train over plain Chebyshev polynomials, in numbers of a stated precision."""
+    """A grid process whose mean is a train over plain Chebyshev polynomials, in numbers of one precision."""
 
     chebyshev_: TensorTrain
     arithmetic: Precision
 
     @classmethod
     def of(cls, grid: GridGP, train: TensorTrain, storage: Precision, arithmetic: Precision) -> Self:
-        """Return the process of a grid with another mean, `train` times no scale plus the grid's offset."""
+        """Return a grid's process with another mean, `train` in units of the output plus the grid's offset."""
         part = cls()
         part.__dict__.update(grid.__dict__)
         stored: list[Any] = [core.astype(storage).astype(arithmetic) for core in train.cores]
@@ -108,7 +102,7 @@ def rounded(
     points: int = POINTS,
     absolute: Mapping[str, float] = MappingProxyType({}),
 ) -> list[Rounded]:
-    """Return outputs of a model, each with as few numbers as the error allows, a share of its range or `absolute`."""
+    """Return rounded outputs with as few numbers as the error allows, a share of the range or `absolute` in units."""
     if isinstance(model, CurveGP) and (largest := [name for name in outputs if name in model.largest]):
         smooth = ", ".join(name for name in model.outputs_ if name not in model.largest) or "none"
         raise ValueError(f"{', '.join(largest)}: largest values of curves have no short form; exported are {smooth}")
@@ -125,7 +119,7 @@ def rounded(
 
 
 def _alone(model: GaussianProcess, name: str) -> GaussianProcess:
-    """Return the model of one output; of a smooth output beside curves, the process that gives it."""
+    """Return the model of one output; for a smooth output of a `CurveGP`, its process."""
     alone = model.only([name])
     if not (isinstance(alone, CurveGP) and isinstance(alone.smooth_, GridGP)):
         return alone
@@ -135,7 +129,7 @@ def _alone(model: GaussianProcess, name: str) -> GaussianProcess:
 
 
 def grid_of(model: GaussianProcess) -> GridGP:
-    """Return the grid process that a model's answers follow from; ValueError where there is none."""
+    """Return the grid process inside a model; ValueError if there is none."""
     if isinstance(model, GridGP):
         return model
     if isinstance(model, GroupedGP):
@@ -146,14 +140,14 @@ def grid_of(model: GaussianProcess) -> GridGP:
 
 
 def _over(model: GaussianProcess, grid: GridGP) -> GaussianProcess:
-    """The model with another grid process inside."""
+    """Return the model with another grid process inside."""
     if isinstance(model, GridGP):
         return grid
     return model.over({name: _over(member, grid) for name, member in model.members.items()})
 
 
 def points_of_box(model: GaussianProcess, seed: int, count: int) -> Array:
-    """Return points of the box, (n, d): spread evenly, and at ends of inputs."""
+    """Return random points of the box, (n, d), with a quarter of the coordinates at an end."""
     random = np.random.default_rng(seed)
     t = random.uniform(-1, 1, (len(model.inputs_), count))
     t = np.where(random.uniform(size=t.shape) < AT_ENDS, np.sign(t), t)
@@ -168,7 +162,7 @@ def _output(
     tried: tuple[Array, Array],
     fresh: Array,
 ) -> Rounded:
-    """Round a model of one output of a size, by its exact means at points."""
+    """Round a model of one output; size: its range; tried: points and exact means that guide the rounding."""
     grid, name, (points, exact) = grid_of(model), model.outputs_[0], tried
     learnt = grid.means(model.calibrated_at(points))  # over the axes
     spread = float(np.ptp(learnt)) or 1.0
@@ -196,7 +190,7 @@ def _output(
 
 
 def _polynomials(t: Array, count: int) -> Array:
-    """T_0 .. T_{count-1} at t, (B,), in the precision of t: (count, B), the operations of the exported code."""
+    """Return T_0 .. T_{count-1} at t, (B,), in its precision by the operations of the exported code: (count, B)."""
     T = np.ones((count, len(t)), dtype=t.dtype)
     if count > 1:
         T[1] = t
@@ -206,7 +200,7 @@ def _polynomials(t: Array, count: int) -> Array:
 
 
 def _series(grid: GridGP, negligible: float) -> TensorTrain:
-    """The mean of a grid's one output, less its offset, as a train over plain Chebyshev polynomials."""
+    """Return the mean of a grid's single output, less its offset, as a train over plain Chebyshev polynomials."""
     cores = []
     for k, core in zip(grid.order_, grid.train_.cores, strict=True):
         factor, modes = grid.factors_[k], core.shape[1]
@@ -223,7 +217,7 @@ def _series(grid: GridGP, negligible: float) -> TensorTrain:
 
 
 def _terms(grid: GridGP, correction: Correction, negligible: float) -> Iterator[list[Array]]:
-    """Yield the parts of a correction, T_n of a factor times a polynomial of few degrees, as cores."""
+    """Yield the cores of every part of a correction, T_n of a factor times a polynomial of low degrees."""
     allowed = negligible / len(grid.order_)
     for factor, coefficients in enumerate(correction.coefficients[..., 0]):
         if np.abs(coefficients).sum() <= allowed:
@@ -242,7 +236,7 @@ def _terms(grid: GridGP, correction: Correction, negligible: float) -> Iterator[
 
 
 def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
-    """The cores of the sum of two trains of one output."""
+    """Return the cores of the sum of two trains of one output."""
     summed = []
     last = len(cores) - 1
     for k, (a, b) in enumerate(zip(cores, others, strict=True)):
@@ -256,7 +250,7 @@ def _added(cores: Sequence[Array], others: Sequence[Array]) -> list[Array]:
 
 
 def _cut(series: TensorTrain, error: float) -> TensorTrain:
-    """The train with ranks and modes cut to a root-mean-square error over Chebyshev points."""
+    """Return a train with ranks and modes cut to a root-mean-square error over Chebyshev points."""
     norms = [np.where(np.arange(size) > 0, np.sqrt(0.5), 1.0) for size in series.modes]
     cut = series.scaled(norms).only([0], error)
     narrowed = []

@@ -1,8 +1,7 @@
-"""Exact sensitivity indices of a grid surrogate: contractions of its tensor train, without sampling.
+"""Exact sensitivity indices of a surrogate by contraction of its tensor train, without sampling.
 
-Inputs are independent, each uniform on its scale or of a distribution of its own. Sources: I. M. Sobol', Math. Comput.
-Simul. 55 (2001) 271; R. Ballester-Ripoll et al., SIAM/ASA J. Uncertain. Quantif. 7 (2019) 1109 (indices of tensor
-trains).
+Sources: I. M. Sobol', Math. Comput. Simul. 55 (2001) 271; R. Ballester-Ripoll et al., SIAM/ASA J. Uncertain. Quantif. 7
+(2019) 1109 (indices of tensor trains).
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -22,34 +21,29 @@ from surrogate.gp.gridgp import GridGP
 from surrogate.transforms.curves.curvegp import CurveGP
 from surrogate.transforms.groupedgp import GroupedGP
 
-#: Takes shares of the probability, any shape; gives values of an input.
-Quantile = Callable[[Array], Array]
-# Gauss-Legendre nodes a mode: exact for the Chebyshev kernel, whose features have twice as many modes.
-NODES_A_LEVEL = 2
+Quantile = Callable[[Array], Array]  # from probabilities, any shape, to values of an input
+NODES_A_LEVEL = 2  # Gauss-Legendre nodes: exact for the Chebyshev kernel, whose features have two modes per level
 FEWEST_NODES = 64
 POSITIONS = 41
-# Points of the quasi-random sequence over which the predictive variance is averaged.
-SAMPLE = 1024
-# Points of the grid on which a grouped model is expanded, and the error of its train; lines that tell its levels.
+SAMPLE = 1024  # quasi-random points over which the predictive variance is averaged
+# Most grid points of the expansion of other models than `GridGP`, error of its train, and lines that give its levels
 EXPANDED, COMPRESSION, LINES = 2**16, 1e-8, 16
 
 
 def sobol(model: GaussianProcess, quantiles: Mapping[str, Quantile] = MappingProxyType({})) -> xr.Dataset:
     """Return Sobol' indices and main effects of every output of a fitted `GridGP`, `GroupedGP` or `CurveGP`.
 
-    Inputs are independent. Those in `quantiles` have the distributions of these quantile functions, which take shares
-    and give values within the box; all others are uniform on their scale.
+    Inputs are independent: those in `quantiles` have these quantile functions, all others are uniform on their scale.
 
     The data set has `first_order` and `total` over (`output`, `input`), each with `_low` and `_high`; `second_order`
     over (`output`, `input`, `other_input`), symmetric, zero on the diagonal; `mean` and `variance` over `output`;
     `main_effect`, the mean of the output given one input less `mean`, and its root-mean-square error
     `main_effect_std` over (`output`, `input`, `position`); `value`, of the input at a position.
 
-    Indices are those of the tensor train, without the correction of the mean, which counts as an error of the train
-    beside the calibrated standard deviation. The train of grouped models and of curves is over their inputs: their mean
-    on a grid of at most `EXPANDED` points, whose error counts too. Every index is a share of the variance of the
-    predicted mean. With root-mean-square error e a projection of the output has a norm within e of the prediction's,
-    since projections do not lengthen: this bounds the effect of the error.
+    Indices are shares of the variance of the tensor train, without the correction of the mean, which counts as an error
+    besides the calibrated standard deviation. Grouped models and curves have the train of their mean on a grid of at
+    most `EXPANDED` points, whose error counts too. The root-mean-square error bounds the change of the norm of a
+    projection, since projections do not lengthen; `_low` and `_high` follow.
     """
     if not isinstance(model, GridGP | GroupedGP | CurveGP):
         known = "GridGP, GroupedGP or CurveGP"
@@ -69,7 +63,7 @@ def sobol(model: GaussianProcess, quantiles: Mapping[str, Quantile] = MappingPro
     effect = np.stack([moments.effect(i, positions) for i in range(d)], axis=1) - mean[:, None, None]
     error, spread = _errors(model, train, positions, places)
 
-    # an output without variance has no shares to speak of
+    # the shares of an output without variance are zero
     whole = np.where(variance > 0, variance, 1.0)
     table = {
         "mean": ("output", mean),
@@ -88,7 +82,7 @@ def sobol(model: GaussianProcess, quantiles: Mapping[str, Quantile] = MappingPro
 
 
 def _places(model: GaussianProcess, quantiles: Mapping[str, Quantile]) -> list[Callable[[Array], Array]]:
-    """Return functions that take every input's share, -1 to 1, to its scaled coordinate."""
+    """Return functions from every input's probability, mapped to [-1, 1], to its scaled coordinate."""
 
     def placed(input_: Input) -> Callable[[Array], Array]:
         quantile = quantiles.get(input_.name)
@@ -100,10 +94,7 @@ def _places(model: GaussianProcess, quantiles: Mapping[str, Quantile]) -> list[C
 
 
 class _Moments:
-    """Means of the prediction and of its products over the box, from the moments of every factor's features.
-
-    The cores and moments are in the order of contraction; factors are named by their index in the model.
-    """
+    """Means of the prediction and its products over the box, from the moments of the features in contraction order."""
 
     def __init__(self, model: GridGP, places: Sequence[Callable[[Array], Array]]) -> None:
         self._model = model
@@ -114,7 +105,7 @@ class _Moments:
             nodes, weights = leggauss(max(FEWEST_NODES, NODES_A_LEVEL * len(factor.t)))
             features = factor.features(places[k](nodes), modes).mean
             self._means.append(np.einsum("rms,m->rs", core, features @ (weights / 2)))
-            # a root of the moments' matrix: its columns, contracted with the core, are summed over as squares
+            # contract the core with a root of the moments' matrix, so that sums of squares give the variances
             self._squares.append(np.einsum("rms,mq->qrs", core, _root((features * (weights / 2)) @ features.T)))
 
     def mean(self) -> Array:
@@ -125,7 +116,7 @@ class _Moments:
         return np.asarray(self._model.offset_ + self._model.scale_ * state[0])
 
     def explained(self, inputs: Collection[int]) -> Array:
-        """Return the variance of the conditional mean given some inputs, (p,): all interactions among them included."""
+        """Return the variance of the conditional mean given some inputs, (p,), with all interactions among them."""
         state, plain = np.ones((1, 1)), np.ones((1, 1))
         for k, mean, square in zip(self._order, self._means, self._squares, strict=True):
             parts = square if k in inputs else mean[None]
@@ -151,7 +142,7 @@ def _root(matrix: Array) -> Array:
 
 
 def _expanded(model: GaussianProcess) -> GridGP:
-    """Return the mean of any model as a grid process over its inputs, as fine as `EXPANDED` points allow."""
+    """Return the mean of any model as a grid process over its inputs with at most `EXPANDED` points."""
     inputs, tails = model.inputs_, _tails(model.uncalibrated())
     for allowed in 10.0 ** np.arange(-9, 1):
         counts = [max(2, int(np.count_nonzero(tail > allowed))) for tail in tails]
@@ -163,7 +154,7 @@ def _expanded(model: GaussianProcess) -> GridGP:
 
 
 def _tails(model: GaussianProcess) -> list[Array]:
-    """Return each input's largest sum of the means' Chebyshev coefficients from a degree on, over their range."""
+    """Return for each input the largest tail sums of the means' Chebyshev coefficients over their range, by degree."""
     inputs, tails = model.inputs_, []
     points = 2 * sobol_points(LINES, len(inputs)) - 1
     for k in range(len(inputs)):
@@ -179,7 +170,7 @@ def _tails(model: GaussianProcess) -> list[Array]:
 def _errors(
     model: GaussianProcess, plain: GridGP, positions: Array, places: Sequence[Callable[[Array], Array]]
 ) -> tuple[Array, Array]:
-    """Root-mean-square predictive error of the train over the box, (p,), and given one input, (p, d, positions)."""
+    """Return root-mean-square errors of the train over the box, (p,), and given one input, (p, d, positions)."""
     inputs = model.inputs_
     shares = 2 * sobol_points(SAMPLE, len(inputs)).T - 1
     t = np.stack([place(share) for place, share in zip(places, shares, strict=True)], axis=1)
@@ -200,7 +191,7 @@ def _mean_square(model: GaussianProcess, plain: GridGP, t: Array) -> Array:
 
 
 def _bounds(part: Array, whole: Array, error: Array) -> tuple[Array, Array]:
-    """Bounds of part/whole, (d, p), when the root of either is known to within `error`, (p,)."""
+    """Return bounds of part/whole, (d, p), if the roots of both have errors up to `error`, (p,)."""
     low = np.maximum(np.sqrt(part) - error, 0) / (np.sqrt(whole) + error)
     high = (np.sqrt(part) + error) / np.maximum(np.sqrt(whole) - error, np.finfo(float).tiny)
     return low**2, np.minimum(high, 1) ** 2

@@ -1,4 +1,4 @@
-"""Validation of a surrogate on fresh cases: errors, intervals, and the baseline."""
+"""Validation of a surrogate on held-out cases: errors, intervals and a baseline."""
 
 from collections.abc import Mapping, Sequence
 from functools import reduce
@@ -20,22 +20,12 @@ from surrogate.transforms.groups import Scales
 from surrogate.transforms.transformed import groups_of
 
 DECILES = 10
-#: Levels whose intervals are judged.
-LEVELS = (0.5, 0.8, 0.9, NOMINAL, 0.99)
-# Draws of ideal intervals whose mean is shown.
-DRAWS = 5
-# A corner with fewer cases says nothing of its coverage.
-CORNER_CASES = 20
-# What is shown without the calibration too.
-_COMPARED = (
-    "coverage",
-    "level_coverage",
-    "worst_decile_coverage",
-    "worst_corner_coverage",
-    "crps",
-    "pit",
-    "pit_distance",
-)
+LEVELS = (0.5, 0.8, 0.9, NOMINAL, 0.99)  # levels whose intervals are judged
+DRAWS = 5  # draws of ideal intervals that are averaged
+CORNER_CASES = 20  # fewest cases of a corner whose coverage counts
+# Quantities that are reported without the calibration too.
+_COMPARED = ("coverage", "level_coverage", "worst_decile_coverage", "worst_corner_coverage", "crps", "pit",
+             "pit_distance")  # fmt: skip
 _MEANINGS = {
     "range": "range of the truth",
     "max_error": "largest error over range",
@@ -53,12 +43,11 @@ _MEANINGS = {
     "baseline_max_error": "largest error of tensor Chebyshev interpolation over range",
     "baseline_rmse": "root-mean-square error of tensor Chebyshev interpolation over range",
 }
-# Elements of the largest intermediate array, which bounds memory.
-ELEMENTS = 2**22
+ELEMENTS = 2**22  # of the largest intermediate array
 
 
 def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | None) -> xr.Dataset:
-    """Compare a model with held-out truth."""
+    """Return errors and coverage of a model on held-out cases and, with training data, errors of the baseline."""
     points, truth = model.cases(cases)
     named, names = named_points(points, model.inputs_), list(model.outputs_)
     true = named.stacked(truth, names)
@@ -106,18 +95,15 @@ def validate(model: GaussianProcess, cases: xr.Dataset, training: xr.Dataset | N
 
 
 def crps(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
-    """Return the continuous ranked probability score, in the outputs' units, of truth, means, deviations, (p, n) each.
-
-    A standard deviation of zero gives the absolute error.
-    """
+    """Return the continuous ranked probability score of truth, means and deviations, (p, n) each, in output units."""
     z = _standard(true, mean, std)
     finite = np.where(np.isfinite(z), z, 0.0)
     score = std * (distribution or Normal()).crps(finite)
-    return np.asarray(np.where(std > 0, score, np.abs(true - mean)))
+    return np.asarray(np.where(std > 0, score, np.abs(true - mean)))  # without deviation, the absolute error
 
 
 def pit(true: Array, mean: Array, std: Array, distribution: Distribution | None = None) -> Array:
-    """Return the probability integral transform of truth, means and deviations, (p, n) each; uniform if right."""
+    """Return the probability integral transform of truth, means and deviations, (p, n) each; ideally uniform."""
     return (distribution or Normal()).cdf(_standard(true, mean, std))
 
 
@@ -134,7 +120,7 @@ def _standard(true: Array, mean: Array, std: Array) -> Array:
 
 
 def worst_corner(t: Array, inside: Flags) -> Array:
-    """Least share of cases inside, (p, n), where two of their inputs t, (d, n), are in an outer tenth: (p,)."""
+    """Return the least share of cases inside, (p, n), of all corners of two scaled inputs t, (d, n): (p,)."""
     worst = np.full(len(inside), np.nan)
     for a, b in combinations(np.concatenate([t, -t]), 2):
         corner = (a > 0.8) & (b > 0.8)
@@ -144,10 +130,7 @@ def worst_corner(t: Array, inside: Flags) -> Array:
 
 
 def ideal(model: Mapping[str, Input], cases: Mapping[str, xr.DataArray], outputs: int) -> dict[str, Any]:
-    """Return what intervals would show on some cases that hold every case with the same probability.
-
-    The least of many parts falls short by chance alone: this is by how much, in the mean of some draws.
-    """
+    """Return the coverages that ideal intervals show on the cases: the least of many falls short by chance."""
     X = np.stack([np.asarray(cases[name].values, dtype=np.float64) for name in model], axis=1)
     t, random = unit_coordinates(tuple(model.values()), X), np.random.default_rng(0)
     worst = []
@@ -162,7 +145,7 @@ def ideal(model: Mapping[str, Input], cases: Mapping[str, xr.DataArray], outputs
 
 
 def distance(transform: Array) -> Array:
-    """Largest distance of empirical distribution functions from the uniform one: (p, n) -> (p,)."""
+    """Return the largest distance of empirical distribution functions from the uniform one: (p, n) -> (p,)."""
     ordered, cases = np.sort(transform, axis=1), transform.shape[1]
     steps = np.arange(cases + 1) / cases
     return np.asarray(np.maximum(np.abs(ordered - steps[:-1]), np.abs(ordered - steps[1:])).max(axis=1))
@@ -176,16 +159,13 @@ def _errors(error: Array, prefix: str) -> dict[str, Any]:
 
 
 def _by_decile(column: Array, inside: Flags) -> Array:
-    """Coverage in every decile of the cases sorted by a column: (p, n) -> (p, 10)."""
+    """Return the coverage in every decile of the cases sorted by a column: (p, n) -> (p, 10)."""
     parts = np.array_split(np.argsort(column, kind="stable"), DECILES)
     return np.stack([inside[:, part].mean(axis=1) if part.size else np.ones(len(inside)) for part in parts], axis=1)
 
 
 def chebyshev_interpolation(training: xr.Dataset, inputs: Sequence[Input], X: Array, outputs: Sequence[str]) -> Array:
-    """Interpolate outputs at physical points X, (n, d), by the tensor-product polynomial through all cases: (p, n).
-
-    Source: L. N. Trefethen, Approximation Theory and Approximation Practice (2013), chapters 3 and 4.
-    """
+    """Interpolate outputs at physical points X, (n, d), by the tensor-product polynomial through all cases: (p, n)."""
     values = []
     for cases in complete_factorial(training, inputs, outputs).outputs.values():
         series = reduce(chebyshev.coefficients, range(cases.ndim), cases)
@@ -196,7 +176,7 @@ def chebyshev_interpolation(training: xr.Dataset, inputs: Sequence[Input], X: Ar
 
 
 def baseline(model: GaussianProcess, training: xr.Dataset, X: Array) -> Array:
-    """Interpolate the training data of a grid or grouped model, over inputs or axes, at points X, (n, d): (p, n)."""
+    """Interpolate the training data of a model, over its inputs or its groups' axes, at points X, (n, d): (p, n)."""
     grouping, names = groups_of(model), model.outputs_
     if grouping is None:
         return chebyshev_interpolation(training, model.inputs_, X, names)
@@ -206,7 +186,7 @@ def baseline(model: GaussianProcess, training: xr.Dataset, X: Array) -> Array:
 
 
 def contracted(tensor: Array, rows: Sequence[Array]) -> Array:
-    """Return a tensor (n_1, ..., n_d, p) contracted with a row of every factor, (B, n_f), for every point: (B, p)."""
+    """Contract a tensor (n_1, ..., n_d, p) with one row of every factor, (B, n_f), per point: (B, p)."""
     answer = np.empty((len(rows[0]), tensor.shape[-1]))
     size = max(1, ELEMENTS // int(np.prod(tensor.shape[1:])))
     for block in blocks(len(answer), size):

@@ -104,11 +104,10 @@ NORM = Measure(np.zeros((1, 2)), np.eye(2)[None])
 def test_the_top_of_one_field_on_a_line_is_found_to_rounding_inside_and_at_an_end(top: float) -> None:
     values = np.exp(-((gauss_points(40) - top) ** 2))[None, None, None]
     summit = highest(values, (40,), ITSELF)
-    across, down, value = summit.across, summit.down, summit.value
     place = min(top, 1.0)
-    np.testing.assert_allclose(across, place, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(value, np.exp(-((place - top) ** 2)), rtol=1e-13)
-    assert down == 0
+    np.testing.assert_allclose(summit.across, place, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(summit.value, np.exp(-((place - top) ** 2)), rtol=1e-13)
+    assert summit.down == 0
 
 
 def test_the_top_of_a_norm_over_a_square_is_that_of_an_optimiser() -> None:
@@ -117,14 +116,13 @@ def test_the_top_of_a_norm_over_a_square_is_that_of_an_optimiser() -> None:
 
     x, y = np.meshgrid(gauss_points(30), gauss_points(24))
     top = highest(fields(x, y)[None], (30,), NORM)
-    across, down, value = top.across, top.down, top.value
 
     def below(place: Array) -> float:
         return -float(np.linalg.norm(fields(place[0], place[1])))
 
     best = minimize(below, np.array([0.3, 0.1]), tol=1e-14, method="Nelder-Mead")
-    np.testing.assert_allclose(value, -best.fun, rtol=1e-12)
-    np.testing.assert_allclose([across[0], down[0]], best.x, rtol=0, atol=1e-6)  # flat: the root of rounding
+    np.testing.assert_allclose(top.value, -best.fun, rtol=1e-12)
+    np.testing.assert_allclose([top.across[0], top.down[0]], best.x, rtol=0, atol=1e-6)  # flat: the root of rounding
 
 
 @pytest.mark.parametrize("lean", [-1e-4, 1e-4])

@@ -46,7 +46,6 @@ def spent() -> float:
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """A surrogate's file."""
     folder = tmp_path_factory.mktemp("model")
     (folder / "tiny.yaml").write_text(TINY, encoding="utf-8")
     study = studies.load(folder / "tiny.yaml")
@@ -185,9 +184,8 @@ def edit(file: netCDF4.Dataset, dice: random.Random) -> None:
     else:
         size = dice.choice([1, 2**20, 2**27, 2**40, 2**50])
         file.createDimension(f"d{len(file.dimensions)}", size)
-        file.createVariable(
-            f"v{len(file.variables)}", "f8", (list(file.dimensions)[-1],), chunksizes=(min(size, 1024),)
-        )
+        last = (list(file.dimensions)[-1],)
+        file.createVariable(f"v{len(file.variables)}", "f8", last, chunksizes=(min(size, 1024),))
 
 
 def test_a_valid_file_of_each_kind_is_accepted(place: Path) -> None:

@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Literal
 
 import psutil
 import pytest
@@ -23,7 +22,6 @@ from tests.programs import PATIENCE
 from tests.workflow.conftest import Copy, Project
 
 Maker = Callable[[str], Project]
-Victim = Literal["job", "snakemake"]
 
 
 def start(project: Project, study: str, *files: str) -> BaseProcess:
@@ -56,7 +54,7 @@ def jobs(run: BaseProcess) -> list[psutil.Process]:
     return descendants
 
 
-def kill_within(run: BaseProcess, victim: Victim, dice: random.Random) -> bool:
+def kill_within(run: BaseProcess, victim: str, dice: random.Random) -> bool:
     """SIGKILL at a random moment after the first job has started; whether there still was something to kill.
 
     Snakemake's jobs are left behind as orphans, as by a killed terminal or the kernel's out-of-memory killer.
@@ -79,7 +77,6 @@ def kill_within(run: BaseProcess, victim: Victim, dice: random.Random) -> bool:
 
 
 def wait_for_orphans(project: Project) -> None:
-    """Wait until nothing works in the project's folder any more."""
     psutil.wait_procs(working(project), timeout=PATIENCE)
 
 
@@ -175,18 +172,13 @@ def flip(content: bytes) -> bytes:
     return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
 
 
-def cut(content: bytes) -> bytes:
-    """All but the last byte."""
-    return content[:-1]
-
-
 def test_damage_is_named_and_not_passed_on(undisturbed: Project, tmp_path: Path) -> None:
     project = Project(tmp_path / "tampered")
     results, slab = project.folder / RESULTS, undisturbed.folder / RESULTS / "fields/slab_1.nc"
     shutil.copytree(undisturbed.folder, project.folder, symlinks=True)
     # by file: what is said of it, the file that would be made from it, and its content
     damage: dict[str, tuple[str, str, Callable[[bytes], bytes]]] = {
-        "fields/effect_friction.nc": ("incomplete", "figures/effect_friction.svg", cut),
+        "fields/effect_friction.nc": ("incomplete", "figures/effect_friction.svg", lambda content: content[:-1]),
         "fields/slab_0.nc": ("holds tiny/fields/slab_1.nc", "figures/fields.svg", lambda _: slab.read_bytes()),
         "quantities.nc": ("altered", "surrogate.nc", flip),
     }

@@ -1,4 +1,4 @@
-"""A case with every term, refusals, and comparisons with the 50-digit oracle."""
+"""Materials, refusals, and comparisons with the 50-digit oracle."""
 
 import re
 from collections.abc import Iterable
@@ -15,10 +15,6 @@ from workflow.run.provenance import ROOT
 
 BTO, CFO, PZT, STEEL, SILICON = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "PZT-4", "steel", "silicon"))
 FIBROUS = solver.fibrous(BTO, CFO, 0.5)
-#: A case with every term at work: friction, both charges, a datum that is not one.
-CHARGED: dict[str, Any] = {
-    "radius": 0.05, "load": 1e5, "friction": 0.3, "charge": 2e-6, "magnetic_charge": -3e-3, "datum": 0.2,
-}  # fmt: skip
 
 
 def without(case: dict[str, Any], *names: str) -> dict[str, Any]:

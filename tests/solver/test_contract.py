@@ -15,7 +15,8 @@ from solver.material.constants import ANY_SIZE, UNITS
 from solver.names import ALL_QUANTITIES, HEAT_QUANTITIES
 from solver.similarity import QUANTITY_WEIGHTS, scale_powers, weight_of
 from tests.refusals import assert_refused
-from tests.solver.cases import assert_alike, refused, without
+from tests.solver.cases import PZT, assert_alike, refused, without
+from verification.cases import constants
 
 Case = dict[str, Any]
 X, Y = [-1.4, -0.5, 0.3, 2.0], [-0.2, -3.0]
@@ -240,17 +241,17 @@ def test_reversed_poling_reverses_the_fields_and_electric_and_magnetic_ones_may_
     case = BODIES[name] | {"magnetic": "conducting"} | ({"base": "rigid"} if "film" in name else {})
     case |= {"friction": 0.3} if "load" in case else {}
     mix = solver.find("BaTiO3-CoFe2O4 50:50")
-    constants: Case = {constant: getattr(mix, constant) for constant in UNITS}
+    entries: Case = {constant: getattr(mix, constant) for constant in UNITS}
 
     def solved(change: Case, T: float, J: float) -> xr.Dataset:
-        material = solver.Material(**constants | change, name="image", any_size=ANY_SIZE)
+        material = solver.Material(**entries | change, name="image", any_size=ANY_SIZE)
         return solver.solve(case | {"material": material, charges[0]: T, charges[1]: J}, X)
 
     T, J = (share * case[pressing(case)[0]] for share in (1e-11, -1e-8))
     plain = solved({}, T, J)
     swapped = {**EXCHANGED, **{other: first for first, other in EXCHANGED.items()}}
-    poled = solved({constant: -constants[constant] for pair in COUPLINGS.items() for constant in pair}, -T, -J)
-    exchanged = solved({constant: constants[other] for constant, other in swapped.items()}, J, T)
+    poled = solved({constant: -entries[constant] for pair in COUPLINGS.items() for constant in pair}, -T, -J)
+    exchanged = solved({constant: entries[other] for constant, other in swapped.items()}, J, T)
     for quantity, values in plain.data_vars.items():
         size = 1e-9 * float(np.abs(values).max())
         odd = {unit.rstrip("-0123456789/") for unit in values.attrs["units"].split()} & {"V", "A", "C", "T", "Wb"}
@@ -282,10 +283,8 @@ def test_fields_inside_meet_those_on_the_surface(case: Case) -> None:
 
 @each_body
 def test_only_what_needs_c12_is_left_out_or_refused_without_it(case: Case) -> None:
-    constants = {
-        name: float(getattr(solver.find("PZT-4"), name)) for name in ("c11", "c13", "c33", "c44", "e33", "eps33")
-    }
-    lacking = case | {"material": solver.Material.from_mapping({"name": "mine", **constants, "eps11": 6e-9})}
+    mine = {"name": "mine", **without(constants(PZT), "c12")}
+    lacking = case | {"material": solver.Material.from_mapping(mine)}
     assert not {"stress_zz", "von_mises"} & set(solver.solve_interior(lacking, X, Y))
     with pytest.raises(solver.MaterialError, match=r"^mine: c12: missing; von_mises needs it"):
         solver.solve_interior(lacking, X, Y, fields=["von_mises"])

@@ -1,6 +1,5 @@
 """Files appear whole or not at all, and say so when they are not."""
 
-import hashlib
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -54,9 +53,7 @@ def test_equal_data_sets_give_equal_bytes_and_a_read_one_can_be_written_again(tm
     time.sleep(1.1)  # a clock in the file would show
     write_whole(sample(), tmp_path / "b.nc")
     write_whole(read_whole(tmp_path / "a.nc"), tmp_path / "c.nc")
-    first, second, third = (hashlib.sha256((tmp_path / n).read_bytes()).digest() for n in ("a.nc", "b.nc", "c.nc"))
-    assert first == second
-    assert first == third
+    assert len({(tmp_path / name).read_bytes() for name in ("a.nc", "b.nc", "c.nc")}) == 1
 
 
 @pytest.mark.parametrize(
@@ -82,9 +79,7 @@ def test_truncation_is_found_at_every_length(tmp_path: Path) -> None:
     for length in [0, 1, 7, 8, 100, *range(512, len(whole), len(whole) // 40), len(whole) - 1]:
         (tmp_path / "cut.nc").write_bytes(whole[:length])
         for lazy in (False, True):
-            with pytest.raises(FormatError, match=r"cut\.nc: ") as caught:
-                read_whole(tmp_path / "cut.nc", lazy=lazy)
-            assert "\n" not in str(caught.value)
+            assert_refused(FormatError, r"cut\.nc: ", read_whole, tmp_path / "cut.nc", lazy=lazy)
 
 
 CHANGES: dict[str, Callable[[netCDF4.Dataset], object]] = {

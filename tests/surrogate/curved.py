@@ -12,6 +12,7 @@ from approximation.measure import Measure
 from approximation.panels import Panels
 from surrogate import CurveGP, GridGP, Group, GroupedGP, Grouping, Input, Scaling
 from surrogate.transforms.curves.basis import Curves, Largest
+from tests.surrogate import functions
 
 Array = NDArray[np.float64]
 
@@ -53,11 +54,8 @@ def data(a: xr.DataArray, b: xr.DataArray) -> xr.Dataset:
 
 def grid() -> xr.Dataset:
     """The curves on 7 x 9 levels."""
-    levels = [input_.levels(n) for input_, n in zip(INPUTS, (7, 9), strict=True)]
-    a, b = (
-        xr.DataArray(nodes, {input_.name: nodes}, input_.name) for input_, nodes in zip(INPUTS, levels, strict=True)
-    )
-    return data(a, b)
+    x = functions.grid(INPUTS, (7, 9))
+    return data(x.a, x.b)
 
 
 def fitted() -> CurveGP:

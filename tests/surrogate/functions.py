@@ -18,7 +18,7 @@ INPUTS = (
 )
 
 
-def outputs(x: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
+def outputs(x: Mapping[str, xr.DataArray] | xr.Dataset) -> dict[str, xr.DataArray]:
     """Six outputs: a near-pole just outside the box at mixture = 0.02, powers of size and force, affine in bias."""
     pole = 1 / (x["mixture"] - 0.02 - 0.005 * np.sin(x["angle"]))
     work = np.sqrt(x["size"] * x["force"])
@@ -33,13 +33,20 @@ def outputs(x: Mapping[str, xr.DataArray]) -> dict[str, xr.DataArray]:
     }
 
 
+def grid(inputs: Sequence[Input], counts: Sequence[int]) -> xr.Dataset:
+    """Return the Chebyshev-Gauss levels of inputs as the coordinates of an empty data set."""
+    return xr.Dataset(coords={input_.name: input_.levels(n) for input_, n in zip(inputs, counts, strict=True)})
+
+
+def drawn(inputs: Sequence[Input], count: int, seed: int) -> xr.Dataset:
+    """Return inputs over `case`, uniform in the scaled coordinates."""
+    unit = np.random.default_rng(seed).uniform(-1, 1, (len(inputs), count))
+    return xr.Dataset({input_.name: ("case", input_.from_unit(row)) for input_, row in zip(inputs, unit, strict=True)})
+
+
 def factorial(counts: Sequence[int], inputs: Sequence[Input] = INPUTS) -> xr.Dataset:
     """Return the outputs on Chebyshev-Gauss levels; an output keeps only the dimensions that it depends on."""
-    x = {
-        input_.name: xr.DataArray(input_.levels(n), dims=input_.name, coords={input_.name: input_.levels(n)})
-        for input_, n in zip(inputs, counts, strict=True)
-    }
-    data = xr.Dataset(outputs(x))
+    data = xr.Dataset(outputs(grid(inputs, counts)))
     for name in data.data_vars:
         data[name].attrs |= {"units": "Pa", "long_name": f"the {name} output"}
     return data
@@ -47,11 +54,8 @@ def factorial(counts: Sequence[int], inputs: Sequence[Input] = INPUTS) -> xr.Dat
 
 def scattered(count: int, seed: int, inputs: Sequence[Input] = INPUTS) -> xr.Dataset:
     """Return inputs, uniform in the scaled coordinates, and outputs over `case`."""
-    unit = np.random.default_rng(seed).uniform(-1, 1, (len(inputs), count))
-    x = {
-        input_.name: xr.DataArray(input_.from_unit(row), dims="case") for input_, row in zip(inputs, unit, strict=True)
-    }
-    return xr.Dataset({**x, **outputs(x)})
+    x = drawn(inputs, count, seed)
+    return x.assign(outputs(x))
 
 
 def true_slopes(points: xr.Dataset, input_: Input) -> tuple[xr.Dataset, dict[str, xr.DataArray]]:

@@ -8,6 +8,7 @@ import xarray as xr
 from approximation.arrays import Array
 from surrogate import Group, GroupedGP, Grouping, Input, Scaling
 from surrogate.transforms.groups import span
+from tests.surrogate import functions
 
 INPUTS = (
     Input("mixture", 0.05, 0.9),
@@ -53,11 +54,7 @@ def world(x: xr.Dataset, rough: float = 0.0) -> xr.Dataset:
 
 def factorial(rough: float = 0.0) -> xr.Dataset:
     """Cases over the axes: thickness and radius in the middle, load and charge as the groups want them."""
-    axes = {
-        group.axis.name: xr.DataArray(levels, dims=group.axis.name, coords={group.axis.name: levels})
-        for group, n in zip(GROUPS, COUNTS, strict=True)
-        for levels in [group.axis.levels(n)]
-    }
+    axes = functions.grid([group.axis for group in GROUPS], COUNTS).coords
     load = axes["pressing"] * MIDDLE["thickness"] ** 2 / MIDDLE["radius"]
     fixed = {"thickness": MIDDLE["thickness"], "radius": MIDDLE["radius"], "load": load}
     x = xr.Dataset(coords={**axes, **fixed, "charge": axes["charge_per_load"] * load})

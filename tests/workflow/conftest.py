@@ -5,18 +5,15 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Any
 
 import pytest
 
 from tests import warm
 from workflow.run.provenance import ROOMS, ROOT
-
-if TYPE_CHECKING:
-    from snakemake.iocontainers import Snakemake
 
 SMALL = """\
 title: A small study
@@ -100,7 +97,7 @@ class Project:
                 (self.folder / file).write_text(text, encoding="utf-8")
 
 
-def job(study: str, output: str, *inputs: str, parameter: str | None = None) -> "Snakemake":
+def job(study: str, output: str, *inputs: str, parameter: str | None = None) -> Any:
     """Job of a study that makes one file out of others, as its script sees it; its log is `a.log`."""
     from snakemake.iocontainers import InputFiles, Log, OutputFiles, Params, ResourceList, Snakemake, Wildcards
 
@@ -110,16 +107,12 @@ def job(study: str, output: str, *inputs: str, parameter: str | None = None) -> 
     return Snakemake(*files, params, wildcards, 1, ResourceList(), log, {}, "slab", None)
 
 
-class Copy(Protocol):
-    """Makes folders with the project's studies and the small one, and with the sources if it is whole."""
-
-    def __call__(self, name: str, *, whole: bool = False) -> Project: ...
+#: Makes a folder of a name with the project's studies and the small one, and with the sources if it is whole.
+Copy = Callable[..., Project]
 
 
 @pytest.fixture(scope="session")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Copy:
-    """Make folders with the project's studies."""
-
     def make(name: str, *, whole: bool = False) -> Project:
         folder = tmp_path_factory.mktemp(name)
         for part in ("config", "examples", *((*ROOMS, "meecontact") if whole else ())):
@@ -130,6 +123,13 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Copy:
         return Project(folder, folder if whole else ROOT)
 
     return make
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The test's folder, which is the current one."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
 
 
 @pytest.fixture(scope="session")

@@ -1,9 +1,12 @@
-"""The pipeline as real processes: what it makes, when it runs again, and that equal inputs give equal bytes."""
+"""The pipeline as real processes: what it makes and tells, when it runs again, equal bytes for equal inputs."""
 
 import hashlib
 import json
 import re
 import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -12,7 +15,10 @@ import pytest
 import surrogate
 from solver import solve
 from storage.netcdf import read_whole
+from tests.studies import data_set, edited, made
 from tests.workflow.conftest import Copy, Project
+from tests.workflow.dataset.test_similar import GROUPED
+from workflow.learning import training
 from workflow.run.provenance import ROOT
 
 REPORT = "results/small/report.html"
@@ -38,17 +44,16 @@ def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:
     for name in ("quantities.nc", "fields/slab_1.nc", "cases/validation.nc"):
         attrs = read_whole(ran.folder / "results/small" / name, names=[]).attrs
         assert (attrs["composite"], attrs["phases"]) == ("fibrous", "BaTiO3, CoFe2O4")
-        assert attrs["defaults"].startswith(
-            "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
-        )
+        others = "charge = 0 C m-1, magnetic_charge = 0 Wb m-1, speed = 0 m s-1, datum = 1 m"
+        assert attrs["defaults"].startswith(others)
 
 
-def test_validation_is_on_cases_outside_the_factorial(ran: Project) -> None:
-    data = read_whole(ran.folder / "results/small/validation.nc")
-    levels = read_whole(ran.folder / "results/small/quantities.nc")["volume_fraction"].values
+def test_validation_and_calibration_are_on_cases_of_their_own(ran: Project) -> None:
+    results = ran.folder / "results/small"
+    data, model = read_whole(results / "validation.nc"), surrogate.load(results / "surrogate.nc")
+    levels = read_whole(results / "quantities.nc")["volume_fraction"].values
     assert data.sizes["case"] == 200
     assert not np.isin(data["volume_fraction"].values, levels).any()
-    model = surrogate.load(ran.folder / "results/small/surrogate.nc")
     inputs = {name: data[name] for name in model.box}
     exact = solve({**inputs, "composite": "fibrous"})
     for name in data["output"].values:
@@ -56,17 +61,11 @@ def test_validation_is_on_cases_outside_the_factorial(ran: Project) -> None:
         error = np.abs(model.predict(inputs)[name] - exact[name]).max() / np.ptp(exact[name].values)
         assert float(row["max_error"]) == pytest.approx(float(error), rel=1e-6)
         assert float(row["max_error"]) < 1e-3
-
-
-def test_the_intervals_are_calibrated_on_cases_of_their_own(ran: Project) -> None:
-    results = ran.folder / "results/small"
     held, fresh = (read_whole(results / f"cases/{name}.nc") for name in ("calibration", "validation"))
     assert held.sizes["case"] == 3000
     assert not np.isin(fresh["load"].values, held["load"].values).any()
     exact = solve({name: held[name] for name in ("volume_fraction", "friction", "radius", "load")})
     np.testing.assert_allclose(held["peak_pressure"], exact["peak_pressure"], rtol=1e-12)
-    model = surrogate.load(results / "surrogate.nc")
-    data = read_whole(results / "validation.nc")
     for name in model.outputs_:
         answer = model.interval({name: fresh[name] for name in model.box})
         inside = (answer[f"{name}_lower"] <= fresh[name]) & (fresh[name] <= answer[f"{name}_upper"])
@@ -81,9 +80,8 @@ def test_a_design_is_solved_again_exactly(ran: Project) -> None:
     values = {str(name): float(data["value"].sel(factor=name)) for name in data["factor"].values}
     friction = np.linspace(0.1, 0.4, 301)
     exact = solve({**values, "friction": friction, "composite": "fibrous"})
-    assert float(data["exact"].sel(term="abs(voltage_per_load)")) == pytest.approx(
-        float(abs(exact["voltage_per_load"]).min()), rel=1e-9
-    )
+    worst = float(abs(exact["voltage_per_load"]).min())
+    assert float(data["exact"].sel(term="abs(voltage_per_load)")) == pytest.approx(worst, rel=1e-9)
     assert float(exact["trailing_tension"].max()) <= 50e6
     assert str(data["status"].values).startswith("feasible; binding: trailing_tension <= 50 MPa")
     page = (ran.folder / REPORT).read_text(encoding="utf-8")
@@ -127,14 +125,12 @@ def again(ran: Project, copy: Copy) -> Project:
 def test_edits_rerun_what_depends_on_them(again: Project) -> None:
     """Edits of sources; those of a study's sections: tests/workflow/study/test_planned.py."""
     cards, designs = {"provenance", "report"}, {"target", "design", "figure_design", "solved"}
-    after_the_surrogate = cards | designs | {
-        "surrogate", "validation", "figure_errors", "sensitivity", "figure_sensitivity"
-    }  # fmt: skip
+    learnt = {"surrogate", "validation", "figure_errors", "sensitivity", "figure_sensitivity"}
     exact = {"slab", "quantities", "card", "cases", "calibration", "figure_fields"}
     effects = {"effect", "figure_effect", "interior", "figure_interior", "sweeps"}
     for file, old, expected in (
         ("workflow/report/templates/study.html.j2", "<h2>Study", {"report"}),
-        ("solver/halfplane/contact.py", '"""', after_the_surrogate | effects | exact),
+        ("solver/halfplane/contact.py", '"""', cards | designs | learnt | effects | exact),
     ):
         assert again.planned_after([(file, old, f"{old}Edited. ")], REPORT) == expected, file
 
@@ -178,3 +174,109 @@ def test_snakemake_s_lint_finds_one_thing(ran: Project) -> None:
     # the pinned virtual environment is the software of every rule: the one finding that is meant to stay
     findings = re.findall(r"^ +\* (.*):$", ran.run("snakemake", "--lint", check=False).stderr, re.MULTILINE)
     assert set(findings) == {"Specify a conda environment or container for each rule."}
+
+
+def test_a_run_ends_with_it_also_where_nothing_is_to_be_done(ran: Project) -> None:
+    done = ran.run("meecontact", "run", "small", "--cores", "2")
+    *lines, last = done.stdout.splitlines()
+    assert last == "report: results/small/report.html"
+    assert re.match(
+        r"sensor +beyond linear theory; otherwise recommended within the model; a tilt of .+ times "
+        r"+voltage per load 4[\d.]+ mV·m/N +volume fraction 0\.6\d+, radius 1",
+        lines[1],
+    )
+    assert re.match("impossible +not reachable +stroke per volt", lines[3])
+    assert "9070 % beyond the limit" in lines[4]
+    assert "writing the page" not in done.stderr  # nothing was to be done
+
+
+def test_plain_snakemake_tells_it_of_the_designs_that_it_makes(ran: Project, tmp_path: Path) -> None:
+    project = Project(tmp_path / "copy")
+    shutil.copytree(ran.folder, project.folder, symlinks=True)
+    done = project.snakemake("--force", "--", "results/small/design.nc")
+    told = "target impossible: not reachable: trailing_tension <= 1 MPa binds; the least violated design misses it by"
+    assert done.stdout.splitlines().count(f"{told} 9075 %") == 1
+
+
+FEW, DRAWN = ("limits", "films"), ("films",)
+GROUPS = len(FEW)
+#: Groups of one check each, in place of those that take minutes.
+QUICK = """\
+from verification.findings import Check, Curve, Findings, Sizes, Timing
+
+def quick(sizes: Sizes) -> Findings:
+    return Findings(
+        "A title", "About it.", [Check("A check", "one, other", 2e-4, 1e-3, 0.5)],
+        [Curve("film_elements", "a curve", "elements", [1.0, 2.0], [1e-2, 1e-4])],
+        [Timing("a punch", 1e-12, 1e-2, 1e-3, 1e-6)],
+    )
+
+GROUPS = dict.fromkeys(NAMES, quick)
+"""
+
+
+def shortened(project: Project) -> None:
+    """Two groups, one of them with curves, of one check each."""
+    sections = project.folder / "workflow/study/sections.py"
+    text = sections.read_text(encoding="utf-8")
+    for name, few in (("CHECK_GROUPS", FEW), ("CONVERGING", DRAWN)):
+        text, replaced = re.subn(rf"^{name} = \([^)]*\)", f"{name} = {few}", text, flags=re.MULTILINE)
+        assert replaced == 1
+    sections.write_text(text, encoding="utf-8")
+    (project.folder / "verification/__init__.py").write_text(f"NAMES = {FEW}\n{QUICK}", encoding="utf-8")
+
+
+def test_a_red_check_fails_the_run_and_the_page_shows_it(copy: Copy) -> None:
+    project = copy("verification", whole=True)
+    results = project.folder / "results/verification"
+    shortened(project)
+    project.run("meecontact", "run", "verification", "--cores", "2")
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert f"{GROUPS} of {GROUPS}" in page
+    assert '<td class="bad">red</td>' not in page
+    assert (results / "verdict.txt").read_text(encoding="utf-8") == f"{GROUPS} checks, all green\n"
+    provenance = json.loads((results / "provenance.json").read_text(encoding="utf-8"))
+    assert provenance["results_sha256"].keys() == {f"{group}.json" for group in FEW}
+    edit = ("verification/findings.py", '"""', '"""Edited. ')  # a source that every group reaches
+    planned = project.planned_after([edit], "results/verification/verdict.txt")
+    assert planned == {"check", "figure_convergence", "provenance", "report", "verdict"}
+
+    for file in (results / "verification").glob("*.json"):
+        checks = json.loads(file.read_text(encoding="utf-8"))
+        checks["checks"][0] |= {"error": 2e-2, "passed": False}
+        file.write_text(json.dumps(checks), encoding="utf-8")
+    done = project.run("meecontact", "run", "verification", "--cores", "2", check=False)
+    assert done.returncode != 0
+    assert f"RedError: {GROUPS} of {GROUPS} checks are red: A check (0.02 > 0.001)" in done.stdout + done.stderr
+    page = (results / "report.html").read_text(encoding="utf-8")
+    assert f"0 of {GROUPS}" in page
+    assert page.count('<td class="bad">red</td>') == GROUPS
+    assert not (results / "verdict.txt").exists()
+
+
+PYTHON = Path(sys.prefix) / "referees/bin/python"
+
+
+@pytest.mark.skipif(not PYTHON.exists(), reason="no referees (`make referees` installs them)")
+def test_referees_find_no_fault_and_the_faults_of_a_broken_file(ran: Project, tmp_path: Path) -> None:
+    grouped = tmp_path / "grouped"
+    grouped.mkdir()
+    study = made(edited(GROUPED, "slabs: 2", "precision: float32, slabs: 1"))
+    data_set(study, grouped)
+    surrogate.save(training.fit(study, read_whole(grouped / "quantities.nc")), grouped / "surrogate.nc")
+    broken = tmp_path / "broken"
+    broken.mkdir()
+    with netCDF4.Dataset(shutil.copy(grouped / "fields/slab_0.nc", broken), "a") as file:
+        file["voltage"].setncattr("units", "volts or so")
+        file["contact_pressure"].setncattr("actual_range", [0.0, 1.0])  # of another type than the numbers
+    folders = [ran.folder / "results/small", grouped, broken]
+    command = [PYTHON, ROOT / "tests/referees.py", *folders]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    lines = [line for line in done.stdout.splitlines() if "not installed" not in line]
+    sound = [f"{folder}: {name}: no faults" for folder in folders[:2] for name in ("conventions", "foreign")]
+    assert lines[: len(sound)] == sound
+    assert f"{broken}: conventions: 3 faults" in lines
+    faults = "\n".join(lines[len(sound) :])
+    assert 'units for voltage, "volts or so" are not recognized by UDUNITS' in faults
+    assert "Attribute 'actual_range' (type: <class 'numpy.float64'>) and parent variable 'contact_pressure'" in faults

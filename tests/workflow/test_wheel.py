@@ -34,9 +34,8 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Copy, tmp_path: 
         wheel.extractall(site)
     files = {file for room in (*ROOMS, "meecontact") for file in (ROOT / room).rglob("*") if file.is_file()}
     wanted = {str(file.relative_to(ROOT)) for file in files if "__pycache__" not in file.parts}
-    wanted |= {
-        f"meecontact/studies/{file.name}" for file in (*ROOT.glob("config/*.yaml"), source / "config/small.yaml")
-    }
+    studies = (*ROOT.glob("config/*.yaml"), source / "config/small.yaml")
+    wanted |= {f"meecontact/studies/{file.name}" for file in studies}
     assert held - {"meecontact/studies/small.yaml"} == wanted - {"meecontact/studies/small.yaml"}
 
     study = tmp_path / "studies/mine.yaml"

@@ -9,14 +9,13 @@ cot(pi A) = -eta (N^-1 k)_1, so that A is alpha or alpha - 1, and A = -1/2 for D
 
     sigma_yy = (1-X)^A (1+X)^B F(X),     D_y, B_y = (1-X)^A (1+X)^B G(X) + (1-X^2)^(-1/2) K(X)
 
-leaves nothing but analytic F, G, K. They are Chebyshev series: the error falls geometrically with the number of terms,
-to rounding at once where g' is a polynomial. Moments are Gauss-Jacobi quadratures. The equations are asked for at twice
-as many Chebyshev points as a series has terms, together with the balances, and solved by least squares. At alpha = 1/2
-the two families of D_y and B_y are one; the singular-value cut-off and a preference for low orders then choose.
+has analytic F, G, K. They are Chebyshev series: the error falls geometrically with the number of terms, to rounding at
+once where g' is a polynomial. Moments are Gauss-Jacobi quadratures. The equations hold at twice as many Chebyshev
+points as a series has terms and are solved, with the balances, by least squares. At alpha = 1/2 the two families of D_y
+and B_y coincide; then the singular-value cut-off and a preference for low orders choose.
 
-Ends. Two smooth edges leave one consistency condition: the punch may tilt, and the ends sought are those where the tilt
-is zero and the load the given one (Powell's hybrid method). One smooth edge is found from the load alone. A sharp edge
-stays where the profile has it.
+Ends. Two smooth edges leave one consistency condition: the punch may tilt, and Powell's hybrid method finds the ends
+with zero tilt and the given load. One smooth edge follows from the load alone. A sharp edge is at the punch's corner.
 """
 
 from collections.abc import Callable
@@ -61,7 +60,7 @@ def cylinder(radius: float) -> Profile:
 
 
 def circle(radius: float) -> Profile:
-    """The circle itself, for which there is no closed form: here the number of terms matters."""
+    """Circular punch itself, without closed form, so that the number of terms matters."""
     return Profile(lambda x: x / np.sqrt(radius**2 - x**2))
 
 
@@ -109,7 +108,7 @@ def transforms(X: Array, A: float, B: float, count: int) -> Array:
 
 
 def end_proof_nodes() -> tuple[Array, Array, Array]:
-    """1 - X, 1 + X and weights of double-exponential quadrature over -1 < X < 1, whatever the exponents at the ends."""
+    """Return 1 - X, 1 + X and weights of double-exponential quadrature over -1 < X < 1, for any end exponents."""
     growth = np.exp(np.pi * np.sinh(_ABSCISSAE))
     right, left = 2 / (1 + growth), 2 / (1 + 1 / growth)
     return right, left, (_ABSCISSAE[1] - _ABSCISSAE[0]) * np.pi * np.cosh(_ABSCISSAE) * right * left / 2
@@ -120,15 +119,14 @@ class Problem:
     """A punch on a half-plane, SI units."""
 
     N: Array  # shape (3, 3)
-    k: Array  # shape (3,); Theory (2.2), over (y, phi, psi)
+    k: Array  # shape (3,); theory (2.2), over (y, phi, psi)
     profile: Profile
-    # eta, P, T, J. The charge of a field that is not conducted is not used.
     friction: float
     load: float
-    charge: float = 0.0
+    charge: float = 0.0  # not used if the punch does not conduct the field
     magnetic_charge: float = 0.0
-    conducted: tuple[int, ...] = (1, 2)  # Which of 1 (electric) and 2 (magnetic) the punch conducts
-    terms: int = 8  # Terms of each Chebyshev series, at least 3
+    conducted: tuple[int, ...] = (1, 2)  # conducted fields, 1 electric and 2 magnetic
+    terms: int = 8  # terms of each Chebyshev series, at least 3
 
     @property
     def unknown(self) -> list[int]:
@@ -154,12 +152,10 @@ class Contact:
     """Solution of a problem between two ends."""
 
     problem: Problem
-    # a and b [m]
-    trailing: float
-    leading: float
-    coefficients: Array  # shape (3, 2, terms); Chebyshev coefficients of (F, G, G) and of (nothing, K, K), SI units
-    # Rotation of the punch that the ends ask for [1]: zero unless both edges are smooth and the ends are wrong
-    tilt: float
+    trailing: float  # a [m]
+    leading: float  # b [m]
+    coefficients: Array  # shape (3, 2, terms); Chebyshev coefficients of (F, G, G) and of (0, K, K), SI units
+    tilt: float  # rotation of the punch [1], zero unless both edges are smooth and the ends are wrong
 
     @property
     def half_width(self) -> float:
@@ -179,7 +175,7 @@ class Contact:
         return out
 
     def _tractions(self, right: Array, left: Array) -> Array:
-        """Tractions from the distances 1 - X and 1 + X, so that no digit is lost next to an edge."""
+        """Return tractions from the distances 1 - X and 1 + X, which are exact next to an edge."""
         basis = np.polynomial.chebyshev.chebvander((left - right) / 2, self.problem.terms - 1)
         weights = np.stack([right**A * left**B for A, B in self.problem.weights()])
         return np.asarray(np.einsum("fwk,wn,nk->fn", self.coefficients, weights, basis))
@@ -222,7 +218,7 @@ def solve(problem: Problem) -> Contact:
 
 
 def _with_load(problem: Problem, ends: Callable[[float], tuple[float, float]]) -> Contact:
-    """The contact whose half-width h gives the load, its ends being known functions of h."""
+    """Return the contact whose half-width h gives the load, from its ends as functions of h."""
 
     def excess(h: float) -> float:
         return float(-_between(problem, *ends(h)).totals[0]) / problem.load - 1
@@ -236,7 +232,7 @@ def _with_load(problem: Problem, ends: Callable[[float], tuple[float, float]]) -
 
 
 def _with_load_upright(problem: Problem) -> Contact:
-    """The contact between two smooth edges that gives the load without a tilt."""
+    """Return the contact between two smooth edges that has the load and no tilt."""
     start = _with_load(problem, lambda h: (h, h)).half_width
     steepest = np.max(np.abs(problem.profile.slope(np.array([start, -start]))))
 

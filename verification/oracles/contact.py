@@ -18,7 +18,7 @@ _LEAST_KAP = mpf("1e-40")
 
 @dataclass(frozen=True, eq=False)
 class Sliding:
-    """Half-plane, friction, radius and conducted fields: the inputs that the load does not change."""
+    """Half-plane, friction, radius and conducted fields: all inputs but loads."""
 
     half: HalfPlane
     friction: mpf
@@ -59,7 +59,7 @@ def _roots(u: mpf, v: mpf) -> list[mpf]:
 
 @lru_cache(maxsize=64)
 def functions(alpha: mpf | None, level: int) -> list[list[mpf]]:
-    """The function of alpha, or without one those with a root, times the weights at the nodes of a level."""
+    """Return the function of alpha, or without alpha those with a root, times the weights at the nodes of a level."""
     rows = [[w * f for f in (_roots(u, v) if alpha is None else _shape(alpha, u, v))] for u, v, w in nodes(level)]
     return [list(column) for column in zip(*rows, strict=True)]
 
@@ -71,7 +71,7 @@ def _logarithms(level: int) -> list[mpf]:
 
 @lru_cache(maxsize=2**12)
 def _logarithmic(alpha: mpf | None) -> tuple[list[mpf], list[mpf]]:
-    """Integrals over u of the functions times log u, and of the functions: once for all loads of an alpha."""
+    """Return the integrals over u of the functions times log u, and of the functions, for one alpha and all loads."""
 
     def sums(level: int) -> list[mpf]:
         values = functions(alpha, level)

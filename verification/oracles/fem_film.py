@@ -1,17 +1,17 @@
 """The whole sliding contact of a punch on layers, by spectral finite elements of layers, base, elastic punch and air.
 
-Nothing is reduced to the surface here. Displacement and potentials under the punch are given, Coulomb's law is a row
-of the system (the nodal force along the surface is friction times the one across it), the far ends are clamped. Five
-states, u_y = 1, X, X^2, phi = 1 and psi = 1 under the punch, make up the contact; all but the half-length is linear.
+Displacement and potentials under the punch are prescribed, Coulomb's law is a row of the system (the tangential nodal
+force is friction times the normal one), and the far ends are clamped. The contact is a sum of five states, u_y = 1, X,
+X^2, phi = 1 and psi = 1 under the punch; only the half-length enters nonlinearly.
 
-Neither edge may have a singular pressure. How singular it is comes from moments of the nodal forces with the
-polynomials orthogonal over (1-X)^(alpha-1) (1+X)^-alpha. That the force on the node at the edge vanish would be another
-condition, and a wrong one: D_y and B_y are singular there, and reach into that node.
+Neither edge may have a singular pressure. Its strength follows from moments of the nodal forces with the polynomials
+orthogonal over (1-X)^(alpha-1) (1+X)^-alpha. A vanishing force on the node at the edge would be a wrong condition: D_y
+and B_y are singular there and affect that node.
 
-Air, the gap's D_y = -eps0 (V - phi)/g and its magnetic twin (docs/theory.md, section 1), was written from the equations
-before the solver knew it: a spring on the potentials of the surface beside the contact, of a strength that the gap
-decides; gaps and potentials are found in turn, which converges: charges press little. An elastic punch, an isotropic
-conductor, is a half-plane upside down, joined to the body in the contact.
+Air, D_y = -eps0 (V - phi)/g in the gap and its magnetic twin (docs/theory.md, section 1), is a spring on the potentials
+of the exterior surface whose stiffness depends on the gap. It was written from the equations before the solver modelled
+air. Gaps and potentials are iterated in turn, which converges since charges press little. An elastic punch, an
+isotropic conductor, is an inverted half-plane, joined to the body in the contact.
 
 Lengths of the mesh are in half-lengths of the contact, X = (x - c)/h.
 """
@@ -115,7 +115,7 @@ class FilmContact:
 
     @cached_property
     def _joined(self) -> "tuple[csr_array[np.float64], csr_array[np.float64]]":
-        """Rows: Coulomb's law and what the punch answers; columns: u_y of the body gives way by the punch's."""
+        """Return row and column operators: Coulomb's law and the punch's forces; u_y of the body less the punch's."""
         size, body, friction = self._stiffness.shape[0], 4 * self.below, self.punch.friction
         rows, columns = csr_array(eye_array(size)), csr_array(eye_array(size))
         rows = rows + _entries(body, body + 1, -friction, size)
@@ -132,7 +132,7 @@ class FilmContact:
         return Gap(self.body, self.order + 6)
 
     def _medium(self, potential: int) -> float:
-        """eps or mu of the gap; the medium's permittivity says nothing of mu0."""
+        """eps or mu of the gap; the medium's permittivity does not change mu0."""
         return VACUUM[potential] * (self.permittivity if potential == ELECTRIC else float(self.permittivity > 0))
 
     # -- the solution --------------------------------------------------------------------------------------------------
@@ -145,12 +145,12 @@ class FilmContact:
         for state, potential in enumerate(self.punch.conducted, start=3):
             u[4 * below + potential, state] = 1.0
         exterior = np.setdiff1d(nodes, below) if self.permittivity else np.zeros(0, dtype=int)
-        airy = np.array([4 * exterior + potential for potential in self.punch.conducted], dtype=int).ravel()
-        touched = (4 * below[:, None] + np.arange(4)).ravel()
-        raised = [4 * np.unique(nodes) + 1]
+        potentials = np.array([4 * exterior + potential for potential in self.punch.conducted], dtype=int).ravel()
+        contact_dofs = (4 * below[:, None] + np.arange(4)).ravel()
+        heights = [4 * np.unique(nodes) + 1]
         if self._upper is not None:
-            raised.append(4 * (len(self.body.places) + np.unique(sides(self._upper))) + 1)
-        return Dry.of(self._stiffness, *self._joined, self._free, u, airy, touched, np.concatenate(raised))
+            heights.append(4 * (len(self.body.places) + np.unique(sides(self._upper))) + 1)
+        return Dry.of(self._stiffness, *self._joined, self._free, u, potentials, contact_dofs, np.concatenate(heights))
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u (unknowns, states), in air right on the surface only, and nodal loads (node, 4, states)."""
@@ -179,7 +179,7 @@ class FilmContact:
         return np.asarray(profile / self.half_length)
 
     def _weighed(self, loads: Array) -> Array:
-        """Weights of the states that leave no singular pressure, from nodal loads; scaled.
+        """Return scaled weights of the states without singular pressure, from nodal loads.
 
         u_y = w0 + w1 X + w2 X^2, phi = w3, psi = w4 under the punch.
         """
@@ -249,7 +249,7 @@ class FilmContact:
 
     @property
     def _datum_displacement(self) -> Array:
-        """u at the datum, mean of both sides; 0 on a rigid base, where the film stands still."""
+        """u at the datum, mean of both sides; 0 on a rigid base, where the far film is at rest."""
         return np.zeros(4) if self.base is None else self.u[self._far].mean(axis=0)
 
     @cached_property
@@ -323,7 +323,7 @@ def _entries(rows: Index, columns: Index, value: float, size: int) -> "csr_array
 
 
 def _largest(values: Array) -> float:
-    """Largest of values on a line, between them by the parabola of three."""
+    """Return the largest value on a line, between the points by a parabola through three of them."""
     top = int(np.clip(np.argmax(values), 1, len(values) - 2))
     left, middle, right = values[top - 1 : top + 2]
     return float(middle - (right - left) ** 2 / (8 * (left - 2 * middle + right)))

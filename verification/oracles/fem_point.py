@@ -1,9 +1,9 @@
 """A rigid punch of revolution pressed on layers with air beside the contact, by axisymmetric spectral finite elements.
 
 Written from the equations: the weak form of (1a)-(1c) about an axis, hoop stretch u_r/r, and in the gap
-D_y (1 + r^2/end^2) = -eps0 (V - phi)/g. The air is a spring on the potentials of the surface beside the contact; gaps
-and potentials are found in turn. At a given radius of the contact its edge may carry no singular pressure; the force
-comes out. Lengths of the mesh are in contact radii.
+D_y (1 + r^2/end^2) = -eps0 (V - phi)/g. The air is a spring on the potentials of the exterior surface; gaps and
+potentials are iterated in turn. The contact radius is given, its edge has no singular pressure, and the force follows.
+Lengths of the mesh are in contact radii.
 """
 
 from collections.abc import Mapping, Sequence
@@ -114,9 +114,9 @@ class PointContact:
         u[4 * below + ELECTRIC, 2] = 1.0
         nodes = self._exterior.nodes
         exterior = np.setdiff1d(nodes, below)
-        touched = (4 * below[:, None] + np.arange(4)).ravel()
+        contact_dofs = (4 * below[:, None] + np.arange(4)).ravel()
         identity = csr_array(eye_array(u.shape[0]))
-        return Dry.of(self.body.matrix(), identity, identity, ~held.ravel(), u, 4 * exterior + ELECTRIC, touched,
+        return Dry.of(self.body.matrix(), identity, identity, ~held.ravel(), u, 4 * exterior + ELECTRIC, contact_dofs,
                       4 * np.unique(nodes) + 1)  # fmt: skip
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
@@ -129,9 +129,9 @@ class PointContact:
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)
 
     def _strength(self, forces: Array) -> Array:
-        """Strength of the singular pressure at the edge, from nodal forces (nodes, states).
+        """Return the strength of the singular pressure at the edge, from nodal forces (nodes, states).
 
-        What a half-space of the top's material does below r^e is taken off: it has no strength, but a kink at the apex.
+        The forces of a half-space under r^e are subtracted: they have no singularity, but a kink at the apex.
         """
         r = self.body.places[self._below, 0]
         orders = 2 * np.arange(self.order + 4)

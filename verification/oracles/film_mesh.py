@@ -42,16 +42,13 @@ def depths(thicknesses: Sequence[float], rigid: bool, size: float, growth: float
 
 
 def growing(start: float, end: float, growth: float) -> Array:
-    """Places beyond start up to end, each at most ``growth`` times as far as the one before."""
+    """Return places beyond start up to end, each at most ``growth`` times as far as the previous one."""
     count = int(np.ceil(np.log(end / start) / np.log(growth) - 1e-9))
     return np.append(start * (end / start) ** (np.arange(1, count) / count), end)
 
 
 def assemble(x: Array, y: Array, layer: Index, edges: list[int]) -> Quadrilaterals:
-    """Rectangles between x and y, but rings about the columns ``edges`` in place of the four beside each.
-
-    x, y: (n,), (m,), the lines of the mesh; layer: (m - 1,), number of the layer between two lines of y.
-    """
+    """Mesh rectangles between lines x, (n,), and y, (m,), with rings about the columns ``edges``; layer: (m - 1,)."""
     numbering = np.arange(len(x) * len(y)).reshape(len(x), len(y))
     vertices, origin, corners, layers = [], [], [], []
 

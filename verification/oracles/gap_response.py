@@ -1,4 +1,4 @@
-"""Air beside a contact, on finite elements: response of the bodies without air and to charges; the surface's nodes."""
+"""Air outside a contact, on finite elements: response of the bodies without air and to charges; the surface's nodes."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,59 +19,54 @@ VACUUM = {ELECTRIC: 8.8541878128e-12, MAGNETIC: 4e-7 * np.pi}
 
 @dataclass(frozen=True, eq=False)
 class Dry:
-    """Response of the bodies without air, and to charges on the exterior surface."""
+    """Response of the bodies without air, and to unit charges on the exterior surface."""
 
     prescribed: Array  # shape (unknowns, states); u of the states without air
-    # Unknowns: potentials beside the contact, all four of the contact, u_y beside it
-    airy: Index
-    touched: Index
-    raised: Index
+    exterior: Index  # unknowns: potentials of the exterior surface
+    contact: Index  # all four unknowns of the contact's nodes
+    heights: Index  # u_y of the exterior surface
     prescribed_loads: Array  # loads of the contact in the states
-    # What unit charges on ``airy`` make there, of ``raised`` and of the loads on ``touched``
-    flexibility: Array
-    lift: Array
-    pressed: Array
+    flexibility: Array  # potentials on `exterior` of unit charges there
+    lift: Array  # their u_y on `heights`
+    pressed: Array  # their loads on `contact`
 
     @classmethod
     def of(
         cls, stiffness: "csr_array[np.float64]", rows: "csr_array[np.float64]", columns: "csr_array[np.float64]",
-        free: NDArray[np.bool_], u: Array, airy: Index, touched: Index, raised: Index,
+        free: NDArray[np.bool_], u: Array, exterior: Index, contact: Index, heights: Index,
     ) -> "Dry":  # fmt: skip
-        """Solve the assembled bodies from their joints, the free unknowns and the prescribed u of the states.
-
-        u: (unknowns, states), given where it is not free, filled in.
-        """
+        """Solve the assembled, joined bodies; u, (unknowns, states), is prescribed where not free, and filled in."""
         matrix = (rows @ stiffness @ columns)[free]
         factors = factorised(matrix[:, free])
         u[free] = -factors.solve(np.asarray(matrix @ u))
         loads = np.asarray(columns @ u)
         place = np.cumsum(free) - 1
-        contact = stiffness[touched]
-        flexibility, lift, pressed = (np.empty((len(dofs), len(airy))) for dofs in (airy, raised, touched))
-        for start in range(0, len(airy), 64):
-            block, driven = slice(start, start + 64), place[airy[start : start + 64]]
+        contact_stiffness = stiffness[contact]
+        flexibility, lift, pressed = (np.empty((len(dofs), len(exterior))) for dofs in (exterior, heights, contact))
+        for start in range(0, len(exterior), 64):
+            block, driven = slice(start, start + 64), place[exterior[start : start + 64]]
             unit, moved = np.zeros((int(free.sum()), len(driven))), np.zeros((len(free), len(driven)))
             unit[driven, np.arange(len(driven))] = 1.0
             moved[free] = factors.solve(unit)
             moved = np.asarray(columns @ moved)
-            flexibility[:, block], lift[:, block] = moved[airy], moved[raised]
-            pressed[:, block] = np.asarray(contact @ moved)
-        return cls(loads, airy, touched, raised, contact @ loads, flexibility, lift, pressed)
+            flexibility[:, block], lift[:, block] = moved[exterior], moved[heights]
+            pressed[:, block] = np.asarray(contact_stiffness @ moved)
+        return cls(loads, exterior, contact, heights, contact_stiffness @ loads, flexibility, lift, pressed)
 
     def charged(self, air: "csr_array[np.float64]", pushed: Array) -> tuple[Array, Array]:
         """Scaled u, right-hand side and nodal loads where air is a spring on potentials; (unknown, state)."""
-        held = self.prescribed.copy()
-        held[self.airy] = 0.0  # the ends of the contact are left
-        drive = (air @ held - pushed)[self.airy]
-        inner = air[self.airy][:, self.airy].toarray()
+        contact_potentials = self.prescribed.copy()
+        contact_potentials[self.exterior] = 0.0
+        drive = (air @ contact_potentials - pushed)[self.exterior]
+        inner = air[self.exterior][:, self.exterior].toarray()
         matrix = np.eye(len(inner)) - self.flexibility @ inner
-        potentials = np.linalg.solve(matrix, self.prescribed[self.airy] + self.flexibility @ drive)
+        potentials = np.linalg.solve(matrix, self.prescribed[self.exterior] + self.flexibility @ drive)
         charges = inner @ potentials + drive
         u, loads = self.prescribed.copy(), np.zeros_like(self.prescribed)
-        u[self.airy] = potentials
-        u[self.raised] += self.lift @ charges
-        loads[self.airy] = charges
-        loads[self.touched] = self.prescribed_loads + self.pressed @ charges
+        u[self.exterior] = potentials
+        u[self.heights] += self.lift @ charges
+        loads[self.exterior] = charges
+        loads[self.contact] = self.prescribed_loads + self.pressed @ charges
         return u, loads
 
 
@@ -82,10 +77,10 @@ def settled(
     gap: Array,
     close: float,
 ) -> tuple[Array, Array, Array, Array]:
-    """Scaled u, nodal loads (node, 4), weights of the states, and gaps; an infinite gap has no air and stays.
+    """Return scaled u, nodal loads (node, 4), weights of the states, and gaps; an infinite gap has no air.
 
-    charged: u and loads of the states at a gap; weighed: weights from the loads; opened: gap from u and the weights;
-    close: largest change of the weights from one step to the next, each over itself.
+    charged: u and loads of the states at a gap; weighed: weights from loads; opened: gap from u and weights; close:
+    largest relative change of the weights in the last step.
     """
     last = np.zeros(1)
     for _ in range(_STEPS):
@@ -101,10 +96,10 @@ def settled(
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """The surface beside the contact, by elements' sides and Gauss's points on them."""
+    """The exterior surface, by elements' sides and Gauss points on them."""
 
-    body: Body  # Whose surface it is
-    points: int  # Number of points of a side
+    body: Body
+    points: int  # number of points of a side
 
     @cached_property
     def nodes(self) -> Index:

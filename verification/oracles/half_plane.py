@@ -1,7 +1,7 @@
 """Surface response of the half-plane by the Barnett-Lothe angular integrals, in mpmath.
 
-The integrals need no eigenvectors, so that degenerate materials (isotropic elasticity) are nothing special, and the
-trapezoid rule on their period converges geometrically.
+The integrals need no eigenvectors, so that degenerate materials (isotropic elasticity) need no special treatment, and
+the trapezoid rule on their period converges geometrically.
 """
 
 from collections.abc import Mapping
@@ -25,8 +25,8 @@ STIFFNESS = mpf(10) ** 11
 class HalfPlane:
     """Surface response of a half-plane, and its constitutive matrices (SI units, 4x4 mpmath matrices)."""
 
-    local: matrix  # -S L^-1 of theory (2.1), the answer to the traction at the point itself
-    compliance: matrix  # L^-1 of theory (2.1), the answer to the Hilbert transform of the traction
+    local: matrix  # -S L^-1 of theory (2.1), response to the traction at the point itself
+    compliance: matrix  # L^-1 of theory (2.1), response to the Hilbert transform of the traction
     # Constitutive blocks of theory section 2: t_1 = Q u,x + R u,y and t_2 = R^T u,x + T u,y
     Q: matrix
     R: matrix
@@ -63,10 +63,10 @@ def _half_plane(constants: tuple[float, ...], inertia: mpf) -> HalfPlane:
 
 
 def _angular_means(Q: matrix, R: matrix, T: matrix) -> tuple[matrix, matrix]:
-    """Barnett-Lothe S and L: means over the angle of N1 and -N3 (Ting, Anisotropic Elasticity, 1996, section 7.6).
+    """Return Barnett-Lothe S and L, means over the angle of N1 and -N3 (Ting, Anisotropic Elasticity, 1996, 7.6).
 
-    Mirrored in x, R changes its sign: pi - angle has the entries of S that mix x with the rest, and those of L that do
-    not, in common with the angle, and the others with opposite signs. So half of the angles are enough.
+    A mirror image in x changes the sign of R. At pi - angle the entries of S that mix x with the rest, and those of L
+    that do not, are equal, and the others have opposite signs. So half of the angles are enough.
     """
     count, old, total = 16, zeros(8, 4), zeros(8, 4)
     angles = [pi * j / count for j in range(1, count // 2)]

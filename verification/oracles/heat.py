@@ -64,12 +64,11 @@ def spot_heat(
     line: bool = False,
     cells: int = 12,
 ) -> float:
-    """Integral of a layer's mean temperature over the surface [m2 K], of a line over its width [m K].
+    """Integrate a layer's mean temperature over the surface [m2 K], of a line over its width [m K], from two meshes.
 
-    The surface is touched on a disc of a radius by a body that is warmer by 1 K, a half-space of the material
-    ``punch`` or one temperature. Beside the disc is a layer of air of some height (``gap``), or no heat passes.
-    ``share`` weights the integral by the distance from the middle, with jumps at ``marks``. Extrapolated from two
-    meshes.
+    On a disc a body that is warmer by 1 K touches the surface: a half-space of the material ``punch``, or one
+    temperature. Outside is a layer of air of height ``gap``, or no heat passes. ``share`` weights the integral by the
+    distance from the middle, with jumps at ``marks``.
     """
 
     def heat(cells: int) -> float:
@@ -126,10 +125,7 @@ def _rising(first: float, end: float, cells: int) -> Array:
 def _column(
     slabs: Sequence[Slab], base: Slab, time: float, cells: int, *, at_faces: bool = False
 ) -> tuple[Array, Array, Array, Indices]:
-    """Widths, conductivities, capacities and layers of the volumes below each other, the base's last.
-
-    ``at_faces``: the volumes are finer at both faces of a layer, for what changes along the surface.
-    """
+    """Return widths, conductivities, capacities and layers of stacked volumes, finer at both faces if `at_faces`."""
     even = np.linspace(0, 1, cells + 1)
     shares = np.diff((1 - np.cos(np.pi * even)) / 2 if at_faces else even)
     widths = [slab.thickness * shares for slab in slabs]
@@ -147,7 +143,7 @@ def _column(
 
 
 def _rings(marks: Sequence[float], end: float, cells: int) -> Array:
-    """Radii of rings that are fine on both sides of some marks."""
+    """Return radii of rings, up to an end, that are fine on both sides of the marks."""
     points = [np.zeros(1)]
     start = 0.0
     for mark in marks:

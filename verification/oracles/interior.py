@@ -1,8 +1,8 @@
 """Fields inside the half-plane in 50 digits, by eigenvectors and quadrature of the tractions (mpmath).
 
-Lekhnitskii's and Stroh's way as it stands in the textbooks: f_k'(z_k) = [B^-1 g(z_k)]_k with the eigenvectors of N,
-g by double-exponential quadrature. Coalescing roots are split by constants that differ from the 35th digit on; that
-costs half as many digits of the eigenvectors, of 100.
+The textbook method of Lekhnitskii and Stroh: f_k'(z_k) = [B^-1 g(z_k)]_k with the eigenvectors of N, and g by
+double-exponential quadrature. Coalescing roots are split by a change of the constants in the 35th digit, which costs
+half as many of the eigenvectors' 100 digits.
 """
 
 from collections.abc import Mapping, Sequence
@@ -90,7 +90,7 @@ def _plemelj(state: Contact, z: mpc) -> matrix:
 
 @lru_cache(maxsize=2**12)
 def _cauchy(alpha: mpf | None, z: mpc) -> list[mpc]:
-    """Integrals of the functions of :mod:`verification.oracles.contact` over s - z: once for all loads of an alpha."""
+    """Integrals of the functions of :mod:`verification.oracles.contact` over s - z, for one alpha and all loads."""
 
     def sums(level: int) -> list[mpf]:
         totals = [fdot(f, _kernel(z, level)) for f in functions(alpha, level)]

@@ -1,7 +1,7 @@
 """A punch of revolution on a half-space in many digits (mpmath): the classical formulas and differences of them.
 
-Hertz's problem with the compliance lambda under the punch for every power of r (Sneddon 1965), charges by what the
-conducted fields _answer, tangents by differences at 1e-30.
+Hertz's problem with the compliance lambda for every power of r (Sneddon 1965), charges from the response of the
+conducted fields, tangents by differences at 1e-30.
 """
 
 from collections.abc import Mapping
@@ -65,7 +65,7 @@ class Punch:
 
 
 def _answer(punch: Punch, force: mpf, charges: Mapping[int, mpf]) -> dict[str, mpf]:
-    """Radius [m], depth [m] and potentials (u1, u2) [V, A] under the charges of the conducted fields."""
+    """Return radius [m], depth [m] and potentials (u1, u2) [V, A] under the charges of the conducted fields."""
     a = punch.radius(force)
     approach = punch.approach(a) if punch.exponent else force * punch.lam / (4 * a)
     sums = matrix([charges[i] + r * force for i, r in zip(punch.conducted, punch.screening, strict=True)])

@@ -1,9 +1,8 @@
-"""The circular punch in 50 digits (mpmath), by other ways than the closed form wherever there is one.
+"""The circular punch in 50 digits (mpmath), by other methods than the closed form wherever there is one.
 
-The tractions follow theory section 3 (``verification.oracles.contact``). What is derived from them does not follow the
-theory's formulas: material constants come from angular integrals, punch response and fields outside the contact from
-double-exponential quadrature of the tractions, peak and edge values from a search and from limits, tangents from
-differences.
+Only the tractions follow the theory (section 3, ``verification.oracles.contact``). Material constants come from angular
+integrals, punch response and fields outside the contact from double-exponential quadrature of the tractions, peak and
+edge values from a search and from limits, tangents from differences.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,8 +31,8 @@ FIELDS = (
 class Solution:
     """Quantities and surface fields of a case, named as in ``solver.names``."""
 
-    # All of them but the three peaks over the interior. What needs the potential of a field that the punch does not
-    # conduct is NaN.
+    # All but the three peaks over the interior; NaN where the potential of a field that the punch does not conduct
+    # is needed.
     quantities: dict[str, mpf]
     fields: dict[str, list[mpf]]  # ``FIELDS``, one value per position
 

@@ -37,13 +37,12 @@ _PLACE_STEPS = 9  # of Newton's method at most: one finds a place in a rectangle
 
 @dataclass(frozen=True, eq=False)
 class Quadrilaterals:
-    """A mesh."""
+    """A mesh of quadrilaterals."""
 
-    vertices: Index  # shape (elements, 4); Numbers of the corners, anticlockwise from 0 without gaps
+    vertices: Index  # shape (elements, 4); numbers of the corners, anticlockwise from 0 without gaps
     origin: Array  # shape (elements, 2)
-    # shape (elements, 4, 2); Seen from the origin, so that small elements beside a point keep their digits
-    corners: Array
-    layer: Index  # shape (elements,); Number of the material
+    corners: Array  # shape (elements, 4, 2); relative to the origin, so that small elements near a point keep digits
+    layer: Index  # shape (elements,); number of the material
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +123,7 @@ class Body:
         return total.reshape(4 * n, 4 * n)
 
     def _parts(self, element: int, local: Array) -> tuple[Array, Array]:
-        """Parts of the shapes that strain is made of, (part, place, node), and the measure of an element's area."""
+        """Return the parts of the strain by shape, (part, place, node), and the measure of an element's area."""
         return self._gradients(element, local)
 
     def _moduli(self, material: Mapping[str, float]) -> Array:
@@ -133,7 +132,7 @@ class Body:
         return np.asarray(np.einsum("iaj,ab,kbl->ikjl", strains, constitutive_matrix(material), strains))
 
     def _split(self, element: int) -> tuple[Array, Array]:
-        """Condensed matrix of the border, and the inner nodes' answer to it."""
+        """Return the condensed matrix of the border, and the response of the inner nodes to the border's."""
         matrix = self._stiffness(element)
         border, inner = (_dofs(places) for places in self._places)
         answer = np.asarray(-np.linalg.solve(matrix[np.ix_(inner, inner)], matrix[np.ix_(inner, border)]), dtype=float)
@@ -141,7 +140,7 @@ class Body:
 
     @cached_property
     def _inside(self) -> Callable[[int], Array]:
-        """Answer of the inner nodes of a shape, by its number; kept, as points come in lines."""
+        """Return the response of the inner nodes of a shape, by its number; cached, as points come in lines."""
         return lru_cache(maxsize=128)(lambda shape: self._split(int(self._shapes[0][shape]))[1])
 
     def matrix(self) -> "csr_array[np.float64]":
@@ -169,7 +168,7 @@ class Body:
         return out
 
     def _find(self, point: Array, layer: int) -> tuple[int, Array]:
-        """Element of the layer that holds the point, and its place there."""
+        """Return the element of a layer that contains the point, and its place there."""
         mesh = self.mesh
         low, high = (mesh.origin + end for end in (mesh.corners.min(axis=1), mesh.corners.max(axis=1)))
         slack = _CLOSE * (high - low)

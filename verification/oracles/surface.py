@@ -1,9 +1,9 @@
 """Pressed surfaces of any cut, half-spaces and films: nested elliptical punches instead of a grid of cells.
 
 Pressure and charge are continua of concentric rigid punches, whose potentials are Weber-Schafheitlin integrals. The
-contact is an ellipse with a centre, two semi-axes and a direction: Newton's method takes the singularity of the
-pressure from its edge in the harmonics 0, 1 and 2. Half-spaces follow from Barnett and Lothe's integrals, films from
-Galerkin's method through the depth. The module shares the materials' constants with the solver, and nothing else.
+contact is an ellipse with a centre, two semi-axes and a direction: Newton's method removes the singularity of the
+pressure at its edge in the harmonics 0, 1 and 2. Half-spaces follow from Barnett and Lothe's integrals, films from
+Galerkin's method through the depth. The module shares only the materials' constants with the solver.
 """
 
 from dataclasses import dataclass, replace
@@ -234,7 +234,7 @@ class Press:
 
     @property
     def nest(self) -> Nest:
-        """Nested punches, with all orders that the angles separate."""
+        """Nested punches, with all orders that the angles resolve."""
         return nest(self.reach, self.harmonics, 2 * self.harmonics + 1)
 
     @property
@@ -405,7 +405,7 @@ class State:
 
     @property
     def odd_tractions(self) -> tuple[Array, Array, Array]:
-        """Radii over the contact's radius, and what pressure [Pa] and D_z [C/m2] have of cos(angle); (place,) each."""
+        """Return radii over the contact's, and the cos(angle) parts of pressure [Pa] and D_z [C/m2]; (place,) each."""
         nested = self.press.nest
         r = nested.radii[:-1]
         density = nested.densities[1, :-1].copy()
@@ -421,5 +421,5 @@ class State:
 
     @property
     def misfit(self) -> float:
-        """Singular pressure at the edge in harmonics beyond 2 over the largest weight: the contact is no ellipse."""
+        """Singular edge pressure in harmonics beyond 2 over the largest weight, zero for an elliptical contact."""
         return float(np.abs(self.values[0, :, -1]).max() / np.abs(self.values[0, 0]).max())

@@ -1,9 +1,8 @@
-"""Largest values of curves: the curves are learnt, which are smooth, and the maximum is taken after the query.
+"""Largest values of curves: a Gaussian process learns the smooth curves, and a query takes the predicted maximum.
 
-A maximum over a curve is kinked where its place jumps from one hill to another, and no number of levels learns a kink
-well; the fields over the curve have none. They are learnt in the low-rank basis of the cases' singular vectors, every
-coefficient as an output of a Gaussian process of any kind, and the maximum of what is predicted is that of piecewise
-polynomials (module `panels`). Its derivatives follow from those of the coefficients: the place is stationary.
+A maximum has a kink in the inputs where its place jumps, which no number of levels learns well; the fields along the
+curve are smooth. They are learnt in the basis of the cases' singular vectors, every score as an output of a Gaussian
+process of any kind. The predicted curves are piecewise polynomials (module `panels`).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -26,11 +25,9 @@ from surrogate.transforms.curves.landscape import Landscape
 from surrogate.transforms.groups import Grouping, Scaling
 from surrogate.transforms.transformed import Transformed, groups_of
 
-# Curves whose largest values are looked for at a time: their fields stay in cache.
-_QUERIES_AT_ONCE = 128
+_QUERIES_AT_ONCE = 128  # curves that are searched at a time: their fields stay in cache
 _PROBES = 64
-# Most points of the panels of one file's curves.
-_LONGEST_PANEL = 1000
+_LONGEST_PANEL = 1000  # most points of a panel in a file
 
 
 class CurveGP(Transformed):
@@ -39,19 +36,19 @@ class CurveGP(Transformed):
     Parameters
     ----------
     smooth : callable
-        Gives the process, not fitted, that learns what is smooth, by its outputs: plain ones, sizes, scores of curves.
+        Returns the process, not fitted, from the names of the smooth outputs: plain ones, sizes and scores of curves.
     curves : sequence of Curves
-        What is learnt of curves.
+        Fields that are learnt along curves.
     largest : mapping of str to Largest
-        Outputs that follow from them.
+        Outputs that are maxima of curves.
     outputs : sequence of str
         All outputs in order; those not in `largest` are plain variables of the data set.
     attrs : mapping, optional
         `units` and `long_name` of the outputs in `largest`.
     logarithms : bool
-        Learn the logarithm of every size; else the size itself, by a process that knows better.
+        Learn the logarithm of every size, otherwise the size itself, which the process may scale.
     error : float
-        Root-mean-square error, relative to a field, that the low-rank basis and the compression of its scores may make.
+        Root-mean-square error of the basis and of the compression of its scores, relative to a field.
 
     Attributes
     ----------
@@ -99,12 +96,12 @@ class CurveGP(Transformed):
         self.outputs, self.attrs, self.logarithms, self.error = tuple(outputs), attrs, logarithms, error
 
     def fit(self, X: xr.Dataset) -> Self:
-        """Fit to a data set that holds the plain outputs, the sizes and the fields, as the process takes its own.
+        """Fit to a data set of the plain outputs, the sizes and the fields.
 
         Raises
         ------
         ValueError
-            As that process; sizes that are not positive, fields that do not fit their panels.
+            As for the process; sizes that are not positive, fields that do not fit their panels.
         """
         plain = [name for name in self.outputs if name not in self.largest]
         parts: dict[str, xr.DataArray] = {name: X[name] for name in plain}
@@ -131,15 +128,15 @@ class CurveGP(Transformed):
         return self
 
     def allowed(self, error: float) -> dict[str, float]:
-        """Return errors of sizes and scores, in their units, that make a relative error of the fields."""
-        allowed = {f"log {size}": error for size in self._sizes()}  # of a size itself, none
+        """Return the errors of log-sizes and scores that cause a relative error of the fields."""
+        allowed = {f"log {size}": error for size in self._sizes()}
         for number, basis in enumerate(self.bases_):
             allowed |= {f"score {number} {k}": basis.error(error) for k in range(len(basis.vectors))}
         return allowed
 
     @property
     def witnesses(self) -> tuple[str, ...]:
-        """Smooth outputs whose variances tell those of the outputs."""
+        """Smooth outputs from whose variances those of the outputs follow."""
         return self._witness.outputs_
 
     def _lay_out(self) -> None:
@@ -149,7 +146,7 @@ class CurveGP(Transformed):
             name: attrs.get(name, {}) if name in self.largest else smooth.attrs_[name] for name in self.outputs
         }
         rows = {name: k for k, name in enumerate(smooth.outputs_)}
-        # rows of the smooth outputs behind the outputs: plain ones, sizes, and scores of every element of `curves`
+        # rows of the smooth outputs: plain outputs, sizes, and scores of every element of `curves`
         self._plain_rows = [(k, rows[name]) for k, name in enumerate(self.outputs) if name not in self.largest]
         self._size_rows = {size: rows[name] for size in self._sizes() if (name := self._learnt(size)) in rows}
         self._score_rows = [
@@ -166,7 +163,7 @@ class CurveGP(Transformed):
         self._witness = self.smooth_.only([self._witnessed(name) for name in self.outputs])
 
     def _grouped(self, smooth: Grouping | None) -> Grouping | None:
-        """The groups of the smooth process; what follows from curves scales as the size of these does."""
+        """Return the groups of the smooth process, with maxima of curves scaled like the curves' sizes."""
         if smooth is None:
             return None
         known = {name: smooth.scalings[name] for name in self.outputs if name not in self.largest}
@@ -179,26 +176,25 @@ class CurveGP(Transformed):
         return sorted({size for curves in self.curves for size in curves.sizes if size})
 
     def _learnt(self, size: str) -> str:
-        """Name of the smooth output that tells a size."""
+        """Return the name of the smooth output of a size."""
         return f"log {size}" if self.logarithms else size
 
     def _size_of(self, name: str) -> str:
-        """Name of the size that an output scales by, empty where there is none."""
+        """Return the name of the size by which an output scales, empty if there is none."""
         largest = self.largest.get(name)
         return self.curves[largest.curves].sizes[max(largest.place, 0)] if largest else ""
 
     def _size(self, name: str, smooth: Array) -> Array:
-        """Values that an output scales by, (B,), of smooth outputs (q, B)."""
+        """Return the size by which an output scales, (B,), from smooth outputs (q, B)."""
         if not (size := self._size_of(name)):
             return np.ones(smooth.shape[1])
         learnt = smooth[self._size_rows[size]]
         return np.asarray(np.exp(learnt) if self.logarithms else learnt)
 
     def _witnessed(self, name: str) -> str:
-        """The smooth output whose variance tells how that of an output is spread over the box.
+        """Return the smooth output whose variance describes an output's over the box: the score without small parts.
 
-        Variances of the scores differ by the weights of their parts, which the calibration finds; that score is taken
-        of which no part is small.
+        Variances of the scores differ by the weights of their parts, which the calibration determines.
         """
         if name not in self.largest:
             return name
@@ -215,7 +211,7 @@ class CurveGP(Transformed):
     # -- answers -------------------------------------------------------------------------------------------------------
     @override
     def mean_variance(self, t: Array, weights: Array | None) -> tuple[Array, Array]:
-        """Return means and, with weights, variances as those of the witnesses: (p, B) each."""
+        """Return means and, with weights, variances that are scaled from those of the witnesses: (p, B) each."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         mean = self.followed(smooth)
         if weights is None:
@@ -223,11 +219,11 @@ class CurveGP(Transformed):
         return mean, self._witness.variance(t, weights) * self._spread(smooth) ** 2
 
     def _spread(self, smooth: Array) -> Array:
-        """Every output's standard deviation over that of its witness, from smooth outputs (q, B): (p, B)."""
+        """Return every output's standard deviation over that of its witness, (p, B), from smooth outputs (q, B)."""
         return np.stack([self._typical(name) * self._size(name, smooth) for name in self.outputs])
 
     def _typical(self, name: str) -> float:
-        """The same where the output's size is one."""
+        """Return an output's standard deviation over that of its witness, for size one."""
         if name not in self.largest:
             return 1.0
         largest = self.largest[name]
@@ -236,7 +232,7 @@ class CurveGP(Transformed):
         return float(typical * (basis.scales[0] if largest.place < 0 else np.ptp(basis.mean[largest.place])))
 
     def _searches(self) -> Iterator[tuple[int, Measure, list[str]]]:
-        """Numbers of curves, measures of them, and the outputs that each of these gives."""
+        """Yield number of curves, measure and names of outputs for every search of a maximum."""
         searched: dict[tuple[int, Measure], list[str]] = {}
         for name, largest in self.largest.items():
             searched.setdefault((largest.curves, largest.measure), []).append(name)
@@ -244,7 +240,7 @@ class CurveGP(Transformed):
             yield number, measure, names
 
     def followed(self, smooth: Array) -> Array:
-        """Return all outputs, (p, B), of the smooth ones, (q, B)."""
+        """Return all outputs, (p, B), from the smooth ones, (q, B)."""
         out = np.empty((len(self.outputs), smooth.shape[1]))
         for k, row in self._plain_rows:
             out[k] = smooth[row]
@@ -284,7 +280,7 @@ class CurveGP(Transformed):
 
     @override
     def slope_variances(self, t: Array, weights: Array) -> Array:
-        """Return the weighted variances of these derivatives, (d, p, B), as those of the witnesses."""
+        """Return the weighted variances of the derivatives, (d, p, B), scaled from those of the witnesses."""
         smooth, _ = self.smooth_.mean_variance(t, None)
         return self._witness.slope_variances(t, weights) * self._spread(smooth) ** 2
 
@@ -305,10 +301,7 @@ class CurveGP(Transformed):
     # -- calibration ---------------------------------------------------------------------------------------------------
     @override
     def corrected(self, dataset: xr.Dataset, errors: Array, t: Array, groups: Indices) -> Array:
-        """Correct what is smooth, the curves too where the cases have them; a process over groups stays as it is.
-
-        Few held-out cases lie near the ends of the groups' ranges: a correction there would be a guess.
-        """
+        """Correct the smooth outputs, and the curves if the cases include them; return the errors left, (p, n)."""
         smooth = self.smooth_.uncalibrated().means(t)
         known, left = np.zeros_like(smooth), errors.copy()
         for k, row in self._plain_rows:
@@ -322,6 +315,7 @@ class CurveGP(Transformed):
             for number, curves in enumerate(self.curves):
                 true[self._score_rows[number]] = self.bases_[number].scores(curves.shapes(dataset))
             known = true - smooth
+        # a process over groups is not corrected: few held-out cases lie near the ends of the groups' ranges
         smooth_left = self.smooth_.corrected(dataset, known, t, groups)
         self._stand_witness()
         for k, row in self._plain_rows:
@@ -334,14 +328,14 @@ class CurveGP(Transformed):
 
     # -- files ---------------------------------------------------------------------------------------------------------
     def state(self) -> xr.Dataset:
-        """Return the curves and what follows from them; the process stands beside them, as `smooth`."""
-        largest = list(self.largest.values())
-        measures = list(dict.fromkeys(summit.measure for summit in largest))
+        """Return the curves and their maxima; the process is stored as the member `smooth`."""
+        maxima = list(self.largest.values())
+        measures = list(dict.fromkeys(maximum.measure for maximum in maxima))
         state: dict[str, tuple[tuple[str, ...], NDArray[np.generic]]] = {
             "largest_output": (("largest",), np.array(list(self.largest))),
-            "largest_curves": (("largest",), np.array([summit.curves for summit in largest])),
-            "largest_measure": (("largest",), np.array([measures.index(summit.measure) for summit in largest])),
-            "largest_place": (("largest",), np.array([summit.place for summit in largest])),
+            "largest_curves": (("largest",), np.array([maximum.curves for maximum in maxima])),
+            "largest_measure": (("largest",), np.array([measures.index(maximum.measure) for maximum in maxima])),
+            "largest_place": (("largest",), np.array([maximum.place for maximum in maxima])),
         }
         for k, measure in enumerate(measures):
             dims = f"branch_{k}", f"measured_{k}"
@@ -366,7 +360,7 @@ class CurveGP(Transformed):
         return model
 
     def described(self) -> dict[str, Any]:
-        """Return curves, measures and what follows from them as plain values, for an export."""
+        """Return curves, measures and maxima as plain values, for an export."""
         measures = list(dict.fromkeys(largest.measure for largest in self.largest.values()))
         return {
             "plain": self._plain_rows,
@@ -395,7 +389,7 @@ def _unfitted(names: Sequence[str]) -> GaussianProcess:
 
 
 def _stored_curves(stored: xr.Dataset, outputs: Sequence[str]) -> tuple[list[Curves], list[Basis], dict[str, Largest]]:
-    """Curves in a file, their bases and what follows from them; ValueError where they do not fit each other."""
+    """Return curves, their bases and maxima in a file; ValueError where they do not fit each other."""
     curves: list[Curves] = []
     bases: list[Basis] = []
     while f"curve_field_{len(curves)}" in stored:

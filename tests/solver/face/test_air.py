@@ -43,8 +43,7 @@ def test_lines_in_no_air_are_those_without(case: dict[str, Any]) -> None:
 def test_air_changes_neither_pressure_nor_charge_per_load_of_a_half_plane() -> None:
     """The theorem of docs/theory.md, 10: both by the closed form; capacitances at fixed contact and load are one."""
     exact, computed = solver.solve(LINE), solver.solve(LINE | AIR)
-    for name in ("contact_trailing", "peak_pressure", "charge_per_force", "stroke_per_volt"):
-        assert float(computed[name]) == pytest.approx(float(exact[name]), rel=1e-9), name
+    assert_alike(computed, exact, 1e-9, ("contact_trailing", "peak_pressure", "charge_per_force", "stroke_per_volt"))
     assert abs(float(computed["voltage"] / exact["voltage"])) < 0.95
     assert float(computed["capacitance_at_load"]) == pytest.approx(float(computed["capacitance_per_length"]), rel=1e-9)
 
@@ -77,8 +76,7 @@ def test_films_are_in_air_by_default_bit_for_bit_and_half_planes_are_not(case: d
     case = without(case)
     said, unsaid = solver.solve(case | {"surroundings": around}), solver.solve(case)
     assert set(said.data_vars) == set(unsaid.data_vars)
-    for name in unsaid.data_vars:
-        np.testing.assert_array_equal(said[name], unsaid[name])
+    assert_alike(said, unsaid, 0.0)
     assert str(unsaid.coords.get("surroundings", "insulated").values if "thickness" in case else "insulated") == around
     assert ("gap_permittivity = 1" in unsaid.attrs["defaults"]) == (around == "air")
 
@@ -110,7 +108,6 @@ def test_the_table_of_films_with_air_is_the_solver_s() -> None:
 
 
 def test_points_in_no_air_are_those_without() -> None:
-    """Quantities, fields on the surface and inside, at rest and sliding."""
     case = without(BALL, "material") | {"force": 10.0, "composite": "fibrous", "volume_fraction": 0.6}
     x, y = [-3.0, -1.05, -0.5, 0.3, 0.95, 2.0], [-0.02, -0.7, -2.5]
     for friction in ({}, {"friction": 0.3}):
@@ -180,8 +177,7 @@ def test_panels_sixteen_times_as_far_change_nothing(
         monkeypatch.setattr(operators, margin, 16 * getattr(operators, margin))
     far = solver.solve(ROLLER | body)[names]
     assert not far.equals(usual)  # other panels
-    for name in names:
-        assert float(far[name]) == pytest.approx(float(usual[name]), rel=off), name
+    assert_alike(far, usual, off)
 
 
 def test_a_roller_that_hardly_touches_a_half_plane_has_its_charge_per_load() -> None:

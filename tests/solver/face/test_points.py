@@ -7,7 +7,7 @@ import pytest
 
 import solver
 from solver.names import POINT_QUANTITIES, POINT_SLIDING
-from tests.solver.cases import without
+from tests.solver.cases import assert_alike, without
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
 COATED = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}
@@ -17,8 +17,7 @@ def test_profiles_and_films_may_be_mixed_along_one_dimension() -> None:
     case = without(COATED, "radius") | {"force": [1.0, 10.0]}
     mixed = solver.solve(case | {"profile": ["sphere", "cone"], "radius": 5e-3, "slope": 0.1})
     for name, options in {"sphere": {"radius": 5e-3}, "cone": {"slope": 0.1}}.items():
-        alone = solver.solve(case | options | {"profile": name})
-        np.testing.assert_array_equal(mixed["depth"].sel(profile=name), alone["depth"])
+        assert_alike(mixed.sel(profile=name), solver.solve(case | options | {"profile": name}), 0.0, ["depth"])
 
 
 def test_what_friction_adds_is_given_where_it_is_a_factor() -> None:
@@ -82,10 +81,9 @@ def test_rigid_is_the_default_and_the_limit(case: dict[str, Any]) -> None:
     default, rigid = solver.solve(case), solver.solve(case | {"punch": "rigid"})
     hard = solver.solve(case | {"punch_modulus": 1e25, "punch_poisson": 0.3})
     named, stated = solver.solve(case | {"punch": "steel"}), solver.solve(case | STEEL)
-    for name in default:
-        np.testing.assert_array_equal(rigid[name], default[name], err_msg=str(name))
-        np.testing.assert_allclose(hard[name], default[name], rtol=1e-9, err_msg=str(name))
-        np.testing.assert_array_equal(named[name], stated[name], err_msg=str(name))
+    assert_alike(rigid, default, 0.0)
+    assert_alike(hard, default, 1e-9)
+    assert_alike(named, stated, 0.0)
     assert float(abs(named["peak_pressure"] / default["peak_pressure"])) < 0.99
 
 

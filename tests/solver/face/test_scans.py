@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import solver
 from solver.arrays import Array
 from solver.curves import FOLLOWS, REGIONS, described
+from verification.cases import half_length
 
 LINE: dict[str, Any] = {"radius": 0.05, "magnetic": "insulating"}
 BALL: dict[str, Any] = {"profile": "sphere", "radius": 5e-3, "magnetic": "insulating"}
@@ -36,12 +36,6 @@ FILMS: dict[str, dict[str, Any]] = {
 NETS = {"in air": (61, 60.0, 12, 0.05), "ball": (31, 3.0, 12, 0.05), "ball in air": (31, 3.0, 12, 0.05)}
 
 
-def half_length(computed: xr.Dataset) -> float:
-    if "contact_radius" in computed:
-        return float(computed["contact_radius"])
-    return float(computed["contact_trailing"] + computed["contact_leading"]) / 2
-
-
 def scanned(edge: float, count: int, farthest: float) -> Array:
     """X under the contact and beside it as far as many thicknesses, over h."""
     outside = 1 + np.geomspace(1e-3 * min(edge, 1.0), farthest * edge, count)
@@ -55,7 +49,8 @@ def test_films(name: str) -> None:
     case = FILMS[name]
     count, farthest, layers, within = NETS.get(name, (161, 60.0, 24, 0.02))
     computed = solver.solve(case, peaks=True)
-    h, deep = half_length(computed), case["thickness"]
+    h = float(computed["contact_radius"] if "contact_radius" in computed else half_length(computed))
+    deep = case["thickness"]
     X = scanned(deep / h, count, farthest)
     on = solver.solve_interior(case, X, [-deep / h], fields=["stress_xy", "stress_yy"])
     largest = {"interface_shear": float(abs(on["stress_xy"]).max()), "interface_tension": float(on["stress_yy"].max())}

@@ -10,7 +10,7 @@ import solver
 from solver.names import MAPS, SPACE_QUANTITIES
 from solver.surface import contact
 from tests.refusals import assert_refused
-from tests.solver.cases import without
+from tests.solver.cases import assert_alike, without
 
 Case = dict[str, Any]
 COARSE = {"grid_error": 0.03}  # two grids of 16 and 32 cells, or 64
@@ -96,8 +96,7 @@ def test_a_height_map_of_a_ball_is_the_ball(tmp_path: Path) -> None:
     file, array = (solver.solve(as_map | {"height_map": map_}) for map_ in (str(tmp_path / "ball.csv"), heights()))
     ball = solver.solve(case | {"profile": "ellipsoid", "radius_x": 5e-3, "radius_y": 5e-3})
     assert float(file["depth"]) == float(array["depth"])
-    for name in ("depth", "charge_per_force", "contact_stiffness", "peak_pressure"):
-        assert float(array[name]) == pytest.approx(float(ball[name]), rel=1e-4), name
+    assert_alike(array, ball, 1e-4, ("depth", "charge_per_force", "contact_stiffness", "peak_pressure"))
 
 
 WITH_NAN = heights()
@@ -143,8 +142,7 @@ def test_the_end_of_a_tilted_roller_presses_wherever_it_is() -> None:
     names = ["contact_area", "contact_length_x", "contact_length_y", "charge_per_force"]
     short, long = (solver.solve(roller | {"length": length}, outputs=names) for length in (2e-4, 2e-3))
     # the air beside a longer one takes more charge, which sinks the punch, and leaves the edge where it is
-    for name in names:
-        assert float(short[name]) == pytest.approx(float(long[name]), rel=1e-3), name
+    assert_alike(short, long, 1e-3, names)
 
 
 def test_a_film_that_bends_on_a_soft_base_is_pressed_as_by_a_ball_of_the_point() -> None:
@@ -187,8 +185,7 @@ def test_the_stated_error_bounds_the_distance_to_balls(body: Case, radius: float
     assert error <= 0.02
     names = set(ball.data_vars) & set(SPACE_QUANTITIES) - {"voltage_per_force"}
     assert len(names) >= 9
-    for name in map(str, names):
-        assert float(space[name]) == pytest.approx(float(ball[name]), rel=1.3 * error), name
+    assert_alike(space, ball, 1.3 * error, map(str, names))
 
 
 def test_cells_at_a_sliding_edge_that_open_and_close_for_ever_end_the_search() -> None:

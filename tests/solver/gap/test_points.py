@@ -11,15 +11,16 @@ from scipy.integrate import quad
 import solver
 from solver.material.constants import VACUUM_PERMEABILITY, VACUUM_PERMITTIVITY, Material
 from solver.point.sliding import FirstOrderWarning
+from tests.solver.cases import BTO, without
 from verification.cases import constants
 from verification.oracles.fem_film import Layer
 from verification.oracles.fem_point import PointContact
 from verification.oracles.spectral import ELECTRIC
 
-BTO = solver.find("BaTiO3")
 SPHERE = {"profile": "sphere", "radius": 5e-3, "magnetic": "insulating", "surroundings": "air"}
 FILM = SPHERE | {"material": BTO, "thickness": 1e-4, "base": "steel", "interface_electric": "grounded", "force": 37.0}
 HALF = SPHERE | {"material": BTO, "force": 10.0}
+SLID = {"friction": 0.3}
 COMPOSITE = SPHERE | {"composite": "fibrous", "volume_fraction": 0.6, "force": 10.0}
 
 
@@ -46,8 +47,9 @@ def test_elements_of_body_and_gap_agree() -> None:
 def test_a_gap_s_end_is_a_sphere_s_radius_unless_it_is_said() -> None:
     """A power of 2 is a sphere; four times the end adds 4 pi eps0 R log 4 to the capacitance."""
     sphere = answer(HALF)
-    bare = {name: value for name, value in HALF.items() if name != "radius"}
-    power = answer(bare | {"profile": "power", "exponent": 2.0, "coefficient": 100.0, "gap_radius": 5e-3})
+    power = answer(
+        without(HALF, "radius") | {"profile": "power", "exponent": 2.0, "coefficient": 100.0, "gap_radius": 5e-3}
+    )
     for name, value in sphere.items():
         assert power[name] == pytest.approx(value, rel=1e-12), name
     wide = answer(HALF | {"gap_radius": 2e-2})
@@ -120,9 +122,6 @@ def test_magnetic_gap_is_the_electric_one_s_twin() -> None:
     assert magnetic["permeance"] == pytest.approx(ratio * electric["capacitance"], rel=1e-9)
 
 
-SLID = {"friction": 0.3}
-
-
 def test_a_dielectric_under_its_own_elasticity_feels_nothing_of_it() -> None:
     """Equal bodies do not shift, and no stress makes a charge: Hamilton's tension, and charges as at rest."""
     poisson = 0.3
@@ -162,10 +161,8 @@ def test_largest_values_are_those_of_the_fields() -> None:
     """Beside the edge of a contact whose charge is below what the surface gives way to; inside the edge D is steep."""
     case = HALF | {"friction": 0.02, "total_charge": 1.6e-9}
     solution = answer(case)
-    positions = np.concatenate(
-        [np.linspace(-0.99, 0.99, 23), 1 + np.geomspace(1e-3, 3, 9), -1 - np.geomspace(1e-3, 3, 9)]
-    )
-    fields = solver.solve(case, positions)
+    beside = 1 + np.geomspace(1e-3, 3, 9)
+    fields = solver.solve(case, np.concatenate([np.linspace(-0.99, 0.99, 23), beside, -beside]))
     D = np.abs(fields["electric_displacement"].values.ravel())
     assert np.max(D) <= solution["peak_displacement"] * (1 + 1e-9)
     np.testing.assert_allclose(np.max(D), solution["peak_displacement"], rtol=0.1)

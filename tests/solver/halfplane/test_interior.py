@@ -13,6 +13,7 @@ from solver.face.cases import Cases
 from solver.face.factors import checked
 from solver.face.solution import body_of
 from solver.fields import INTERIOR, INTERIOR_ON_REQUEST
+from tests.solver.cases import CFO, PZT, STEEL
 from verification.cases import SIH_SONG, constants
 from verification.oracles import collocation, interior
 from verification.oracles.surface_response import surface_response
@@ -42,8 +43,7 @@ def assert_close(computed: xr.Dataset, expected: dict[str, Any], rtol: float) ->
 
 def nearly_isotropic() -> solver.Material:
     """Roots i within 1e-6, 1e-5 and 1e-4: too close for eigenvectors, too far for a degenerate formula."""
-    steel = solver.find("steel")
-    constants = {name: float(getattr(steel, name)) for name in ("c11", "c12", "c13", "c33", "c44", "rho")}
+    constants = {name: float(getattr(STEEL, name)) for name in ("c11", "c12", "c13", "c33", "c44", "rho")}
     constants |= {"eps11": 1e-10 * (1 + 1e-4), "eps33": 1e-10, "e33": 1e-3, "f15": 1e-2, "g11": 1e-14}
     constants["c44"] *= 1 + 1e-10
     return solver.Material.from_mapping(constants)
@@ -53,7 +53,7 @@ def nearly_isotropic() -> solver.Material:
 CASES = {
     "nearly isotropic": (nearly_isotropic(), 0.0, (1, 2)),
     "nearly at the limit": (solver.find("PZT-5H"), 1970.0, (1, 2)),
-    "two near each other": (solver.find("PZT-4"), 0.0, (1,)),
+    "two near each other": (PZT, 0.0, (1,)),
 }
 
 
@@ -71,14 +71,13 @@ def test_fields_agree_with_50_digit_eigenvectors(name: str) -> None:
 
 @pytest.mark.parametrize(("kind", "corner"), [("flat", "leading"), ("wedge", "trailing"), ("half_cylinder", "leading")])
 def test_profiles_agree_with_quadrature_of_collocated_tractions(kind: str, corner: str) -> None:
-    material = solver.find("CoFe2O4")
     shapes: dict[str, tuple[dict[str, Any], collocation.Profile]] = {
         "flat": ({"width": 4e-4, "slope": 5e-5}, collocation.flat(4e-4, 5e-5)),
         "wedge": ({"slope": 2e-3, "corner": corner}, collocation.wedge(2e-3, corner)),
         "half_cylinder": ({"radius": 0.05, "corner": corner}, collocation.half_cylinder(0.05, corner)),
     }
     factors, shape = shapes[kind]
-    surface = surface_response(constants(material))
+    surface = surface_response(constants(CFO))
     contact = collocation.solve(
         collocation.Problem(surface.normal_compliance, surface.shear_coupling, shape, 0.5, 1e5, 1e-6, 1e-3)
     )
@@ -102,8 +101,7 @@ def test_profiles_agree_with_quadrature_of_collocated_tractions(kind: str, corne
         rows.append([t_1[0], t_2[1], t_2[0], t_1[2], t_2[2], t_1[3], t_2[3], electric])
     names = ["stress_xx", "stress_yy", "stress_xy", "electric_displacement_x", "electric_displacement_y"]
     names += ["magnetic_induction_x", "magnetic_induction_y", "electric_field_x"]
-    case: dict[str, Any] = {"material": material, "profile": kind, "load": 1e5, "friction": 0.5}
-    case |= {"charge": 1e-6, "magnetic_charge": 1e-3}
+    case = {"material": CFO, "profile": kind, "load": 1e5, "friction": 0.5, "charge": 1e-6, "magnetic_charge": 1e-3}
     assert_close(at_points(case | factors, points), dict(zip(names, np.transpose(rows), strict=True)), 1e-10)
 
 
@@ -205,20 +203,17 @@ def test_little_friction_pulls_far_behind_the_punch(friction: float) -> None:
 
 def test_a_search_does_not_depend_on_the_cases_solved_with_it() -> None:
     """Flat punches with charges have flat hills, on which a climb that goes on moves the value by 1e-5."""
-    rng = np.random.default_rng(3)
-    count = 12
+    rng, count = np.random.default_rng(3), 12
     load = 10 ** rng.uniform(-6, 9, count)
-    case: dict[str, Any] = {"material": "PZT-4", "profile": "flat"} | {
-        "load": xr.DataArray(load, dims="case"),
-        "width": xr.DataArray(10 ** rng.uniform(-6, 1, count), dims="case"),
-        "friction": xr.DataArray(10 ** rng.uniform(-6, 0, count), dims="case"),
-        "charge": xr.DataArray(load * 10 ** rng.uniform(-16, -9, count), dims="case"),
-    }
-    together = solver.solve(case, peaks=True)
+    width, friction, charge = (10 ** rng.uniform(*decades, count) for decades in ((-6, 1), (-6, 0), (-16, -9)))
+    columns = {"load": load, "width": width, "friction": friction, "charge": load * charge}
+    case: dict[str, Any] = {"material": "PZT-4", "profile": "flat"}
+    together = solver.solve(
+        case | {name: xr.DataArray(values, dims="case") for name, values in columns.items()}, peaks=True
+    )
     for number in range(count):
-        alone = solver.solve(
-            {k: float(v[number]) if isinstance(v, xr.DataArray) else v for k, v in case.items()}, peaks=True
-        )
+        row = {name: float(values[number]) for name, values in columns.items()}
+        alone = solver.solve(case | row, peaks=True)
         for name in ("peak_von_mises", "peak_principal_tension"):
             value = float(together[name][number])
             assert value == pytest.approx(float(alone[name]), rel=1e-9, abs=1e-12 * load[number]), (name, number)

@@ -15,32 +15,27 @@ from solver.halfplane.quantities import Response
 from solver.halfplane.sliding import Punch, Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import ANY_SIZE, Material
+from tests.solver.cases import FIBROUS
 from tests.solver.strategies import constants, loads, property_based
+from verification import cases
+from verification.integral_equations import PUNCHES
 from verification.oracles import collocation
 from verification.oracles.collocation import fields, quantities
 from verification.oracles.sample_materials import SIH_SONG as CONSTANTS
-from verification.oracles.surface_response import SurfaceResponse, reduced, surface_response
+from verification.oracles.surface_response import reduced, surface_response
 
-BASE: dict[str, Any] = {"material": "BaTiO3-CoFe2O4 50:50", "load": 1e5, "datum": 0.2}
+BASE: dict[str, Any] = {"material": cases.SIH_SONG, "load": 1e5, "datum": 0.2}
 POSITIONS = np.array([-1.7, -1.001, -0.95, 0.2, 0.95, 1.001, 4.0])
 CONDUCTED = [(1, 2), (1,), (2,), ()]
-
-
-#: g' = 2e-4 + 10 x + 1e9 x^3 from the corner.
-CORNERED = (2e-4, 10.0, 0.0, 1e9)
-
+#: Punches of the verification, and those that it lacks, for the solver and for the collocation.
 CASES: dict[str, tuple[dict[str, Any], collocation.Profile]] = {
-    "flat": ({"profile": "flat", "width": 4e-4}, collocation.flat(4e-4)),
-    "wedge": ({"profile": "wedge", "slope": 2e-3}, collocation.wedge(2e-3)),
-    "half cylinder": (
-        {"profile": "half_cylinder", "radius": 0.05, "corner": "trailing"}, collocation.half_cylinder(0.05, "trailing")
-    ),
+    **{name: PUNCHES[name] for name in ("flat", "wedge", "half-cylinder, corner trailing")},
     "quartic": (
         {"profile": solver.Profile.polynomial((0.0, 0.0, 0.0, 5e8), (True, True))},
         collocation.Profile(lambda x: 5e8 * x**3),
     ),
     "one corner": (
-        {"profile": solver.Profile.polynomial(CORNERED, (True, False))},
+        {"profile": solver.Profile.polynomial((2e-4, 10.0, 0.0, 1e9), (True, False))},
         collocation.Profile(lambda x: 2e-4 + 10.0 * x + 1e9 * x**3, sharp_leading=0.0),
     ),
     "two corners": (
@@ -50,25 +45,18 @@ CASES: dict[str, tuple[dict[str, Any], collocation.Profile]] = {
 }  # fmt: skip
 
 
-def collocated(shape: collocation.Profile, friction: float, conducted: tuple[int, ...], load: float) -> Any:
-    surface = surface_response(CONSTANTS)
-    charges = 1e-6 * (1 in conducted), -2e-3 * (2 in conducted)
-    case = collocation.Problem(
-        surface.normal_compliance, surface.shear_coupling, shape, friction, load, *charges, conducted
-    )
-    return collocation.solve(case), surface
-
-
 @pytest.mark.sampled(10)
 @pytest.mark.parametrize("conducted", CONDUCTED)
 @pytest.mark.parametrize("friction", [0.0, 1e-12, 0.8])
 @pytest.mark.parametrize("name", CASES)
 def test_profile_agrees_with_collocation(name: str, friction: float, conducted: tuple[int, ...]) -> None:
     factors, shape = CASES[name]
-    computed, surface = collocated(shape, friction, conducted, 1e5)
+    surface, charges = surface_response(CONSTANTS), (1e-6 * (1 in conducted), -2e-3 * (2 in conducted))
+    N, k = surface.normal_compliance, surface.shear_coupling
+    computed = collocation.solve(collocation.Problem(N, k, shape, friction, 1e5, *charges, conducted))
     kinds = {field: "conducting" if i in conducted else "insulating" for i, field in ((1, "electric"), (2, "magnetic"))}
-    charges = {"charge": computed.problem.charge, "magnetic_charge": computed.problem.magnetic_charge}
-    solved = solver.solve(BASE | factors | kinds | charges | {"friction": friction}, POSITIONS)
+    charged = dict(zip(("charge", "magnetic_charge"), charges, strict=True))
+    solved = solver.solve(BASE | factors | kinds | charged | {"friction": friction}, POSITIONS)
     expected = quantities(computed, surface, 0.2)
     expected["pressure_exponent"] += shape.sharp_trailing is not None  # of the smooth edge, not of the corner
     if "peak_pressure" in solved:
@@ -97,7 +85,6 @@ def test_a_flat_punch_may_tilt_until_the_pressure_leaves_an_edge() -> None:
 
 
 Array = NDArray[np.float64]
-FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
 STEEL = {"punch_modulus": 210e9, "punch_poisson": 0.3}
 ELASTIC: dict[str, Any] = STEEL | {
     "material": FIBROUS, "load": 1e5, "friction": 0.3, "charge": 2e-6, "magnetic_charge": -3e-3
@@ -146,10 +133,6 @@ def test_the_integral_equations_hold(c: dict[str, Any], case: dict[str, Any]) ->
     assert np.all(np.abs(residual) <= 1e-11 * size[:, None])
 
 
-def response(material: Material) -> SurfaceResponse:
-    return surface_response({name: value for name, value in material.plain().items() if isinstance(value, float)})
-
-
 @pytest.mark.parametrize(
     ("profile", "slope", "lost"),
     [
@@ -162,7 +145,8 @@ def response(material: Material) -> SurfaceResponse:
 )
 def test_surfaces_of_body_and_elastic_punch_fit(profile: dict[str, Any], slope: tuple[float, ...], lost: float) -> None:
     """Slopes of body and punch, each from the Stroh eigenvectors of its material, differ by that of the profile."""
-    t, body, punch = tractions(ELASTIC | profile), response(FIBROUS), response(Material.isotropic(210e9, 0.3))
+    materials = FIBROUS, Material.isotropic(210e9, 0.3)
+    t, (body, punch) = tractions(ELASTIC | profile), (surface_response(cases.constants(m)) for m in materials)
     fits = body.shear_coupling[0] * t.values[0] + body.normal_compliance[0] @ t.transforms[1:]
     fits += punch.normal_compliance[0, 0] * t.transforms[1] - punch.shear_coupling[0] * t.values[0]  # upside down
     required = sum(c * t.x**k for k, c in enumerate(slope))

@@ -53,7 +53,6 @@ def test_a_volt_moves_the_surface_as_a_newton_charges_the_electrode(punch: dict[
 
 
 def test_electrodes_and_punch_have_no_charge_together() -> None:
-    """The punch's charge, whatever it is, stands on the electrodes with the other sign."""
     body = Stack([Layer(GLASS, 1e-4, "grounded"), Layer(BTO, 1e-4), Layer(COPPER, 2e-5), Layer(PZT, 1e-4)], SILICON)
     assert electrodes(body) == [(0,), (1, 2), (3,)]
     for case, name in ((BALL | {"force": 1.0}, "total_charge"), (ROLLER, "charge")):
@@ -69,7 +68,6 @@ def test_electrodes_and_punch_have_no_charge_together() -> None:
     ids=["roller", "ball", "ball, disc"],
 )
 def test_patches_add_up_to_the_electrode_and_differ_by_its_gradient(case: dict[str, Any], patch: str) -> None:
-    """Strips side by side are one strip; an endless patch is the electrode."""
     endless = patch_charge(case | {"patch": patch, "patch_size": 0.05})
     assert endless == pytest.approx(charge(solver.solve(case)), rel=1e-10)
     case, width = case | {"patch": patch}, 5e-5

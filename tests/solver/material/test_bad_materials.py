@@ -8,11 +8,11 @@ import pytest
 
 import solver
 from solver import Material, MaterialError, find
-from solver.material.constants import UNITS
 from solver.material.datasheet import strain_charge, stress_matrices
 from solver.material.usual import USUAL
 from tests.refusals import assert_refused
-from tests.solver.cases import without
+from tests.solver.cases import BTO, CFO, without
+from verification.cases import constants
 
 TITANATE: dict[str, float] = {
     "c11": 166e9, "c12": 77e9, "c13": 78e9, "c33": 162e9, "c44": 43e9, "e31": -4.4, "e33": 18.6,
@@ -31,7 +31,6 @@ def material(entries: dict[str, float], name: str = "mine") -> solver.Material:
 
 AS_PUBLISHED = material(FERRITE | {"mu11": -590e-6}, "CoFe2O4 as published")
 
-FIBRES, HOST = solver.find("BaTiO3"), solver.find("CoFe2O4")
 MALFORMED: tuple[object, ...] = ("166e9", None, True, [166e9, 167e9], {}, 10**400)
 #: Words of the refusal, and what is refused with them; the words are quoted as they stand.
 REFUSED: list[tuple[str, Callable[[], object]]] = [
@@ -47,14 +46,14 @@ REFUSED: list[tuple[str, Callable[[], object]]] = [
     ("eps33: 830 F m-1 is of a size that no material has (1e-12 to 1e-05); did you mean 830 eps0 ",
      lambda: pressed({"eps33": 830})),
     ("did you mean 210 GPa", lambda: solver.Material.isotropic(210, 0.3)),
-    ("arrays", lambda: solver.solve({"material": solver.fibrous(FIBRES, HOST, [0.2, 0.4]), **CONTACT})),
-    *((f"volume_fraction: {value:g} is not", lambda mix=mix, value=value: mix(FIBRES, HOST, [0.5, value]))
+    ("arrays", lambda: solver.solve({"material": solver.fibrous(BTO, CFO, [0.2, 0.4]), **CONTACT})),
+    *((f"volume_fraction: {value:g} is not", lambda mix=mix, value=value: mix(BTO, CFO, [0.5, value]))
       for mix, value in ((solver.fibrous, -0.1), (solver.laminate, np.nan))),
     *((f"scandium_fraction: {value:g} is not within 0 to 0.5",
        lambda value=value: solver.aluminium_scandium_nitride([0.2, value])) for value in (-0.01, 0.51)),
-    ("mine: c12: missing", lambda: solver.fibrous(material(without(TITANATE, "c12")), HOST, 0.5)),
-    ("CoFe2O4 as published: mu11 = -0.00059 N s2 C-2", lambda: solver.fibrous(FIBRES, AS_PUBLISHED, 0.999)),
-    ("use mu11 = +590e-6", lambda: solver.laminate(FIBRES, AS_PUBLISHED, 0.5)),
+    ("mine: c12: missing", lambda: solver.fibrous(material(without(TITANATE, "c12")), CFO, 0.5)),
+    ("CoFe2O4 as published: mu11 = -0.00059 N s2 C-2", lambda: solver.fibrous(BTO, AS_PUBLISHED, 0.999)),
+    ("use mu11 = +590e-6", lambda: solver.laminate(BTO, AS_PUBLISHED, 0.5)),
     *(("isotropic: ", lambda young=young, poisson=poisson: solver.Material.isotropic(young, poisson))
       for young, poisson in ((2e11, -1.0), (2e11, 0.5), (0.0, 0.3))),
 ]  # fmt: skip
@@ -226,7 +225,7 @@ def test_slips_are_refused_by_name(entries: dict[str, Any], message: str) -> Non
     assert_refused(MaterialError, message, Material.from_mapping, entries)
 
 
-PZT = {name: float(getattr(solver.find("PZT-4"), name)) for name in UNITS}
+PZT = constants(find("PZT-4"))
 
 
 def test_with_its_unit_any_value_is_taken_and_read_back() -> None:
@@ -248,7 +247,7 @@ def test_usual_materials_and_what_is_computed_of_them_never_ask() -> None:
         for variant in (known, *known.variants()):
             plain = variant.plain()
             assert not any(isinstance(plain.get(name), str) for name in USUAL)
-    solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 1e-12).check()  # e33 is next to nothing
+    solver.fibrous(BTO, CFO, 1e-12).check()  # e33 is next to nothing
 
 
 def test_a_constant_in_megapascals_is_told_by_its_coupling_also_beside_constants_with_units() -> None:

@@ -12,27 +12,22 @@ import solver
 from solver.arrays import Array
 from solver.halfplane.surface import HalfPlane
 from solver.material import composite
-from solver.material.constants import UNITS
 from tests.solver import micromechanics
-from tests.solver.cases import free_body
+from tests.solver.cases import BTO, CFO, free_body
 from tests.solver.strategies import between, phases, property_based
-from verification.oracles.half_plane import CONSTANTS
+from verification.cases import constants
 from verification.oracles.sample_materials import lithium_niobate
 from verification.oracles.surface import half_space, tensor
 from workflow.run.provenance import ROOT
 
-PHASES = solver.find("BaTiO3"), solver.find("CoFe2O4")
+PHASES = BTO, CFO
 BOTH = pytest.mark.parametrize("kind", ["fibrous", "laminate"])
 MIX: dict[str, Any] = {"fibrous": solver.fibrous, "laminate": solver.laminate}
 EXACT: dict[str, Any] = {"fibrous": micromechanics.fibrous, "laminate": micromechanics.laminate}
 
 
-def solid(material: solver.Material) -> dict[str, float]:
-    return {name: float(getattr(material, name)) for name in (*CONSTANTS, "c12")}
-
-
 def assert_exact(kind: str, first: solver.Material, second: solver.Material, fraction: float, rtol: float) -> None:
-    mixed, exact = MIX[kind](first, second, fraction), EXACT[kind](solid(first), solid(second), fraction)
+    mixed, exact = MIX[kind](first, second, fraction), EXACT[kind](constants(first), constants(second), fraction)
     for name, value in exact.items():
         floor = 1e-3 * rtol * size(name, exact)
         np.testing.assert_allclose(float(getattr(mixed, name)), float(value), rtol=rtol, atol=floor, err_msg=name)
@@ -101,9 +96,7 @@ COUPLED = ("e31", "e33", "f31", "f33", "f15", "eps33", "g33", "mu33", "g11", "mu
 @cache
 def mori_tanaka(sign: float, fraction: float) -> dict[str, float]:
     """Constants of fibres of BaTiO3 in CoFe2O4 with mu11 = sign * 590e-6, by the full tensors."""
-    fibre, host = (
-        {constant: float(getattr(solver.find(name), constant)) for constant in UNITS} for name in ("BaTiO3", "CoFe2O4")
-    )
+    fibre, host = map(constants, PHASES)
     exact = micromechanics.fibrous(fibre, host | {"mu11": sign * host["mu11"]}, fraction)
     return {constant: float(value) for constant, value in exact.items()}
 

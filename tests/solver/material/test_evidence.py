@@ -9,7 +9,8 @@ import solver
 from solver.material.constants import UNITS
 from solver.material.punches import punches
 from solver.names import EVERY_FILM_QUANTITY, EVERY_QUANTITY, LIMITED, LIMITS
-from tests.solver.cases import free_body
+from tests.solver.cases import BTO, CFO, free_body
+from verification.cases import constants
 
 #: Orders of magnitude that a solid can have.
 SENSIBLE = {
@@ -48,11 +49,8 @@ def test_entries_say_where_everything_comes_from(name: str) -> None:
 
 #: Sizes of thermal constants in SI of any solid of the library.
 WARM = {
-    "pyroelectric": (1e-6, 1e-3),
-    "expansion": (1e-6, 4e-4),
-    "conductivity": (0.1, 500),
-    "heat_capacity": (1e6, 5e6),
-}
+    "pyroelectric": (1e-6, 1e-3), "expansion": (1e-6, 4e-4), "conductivity": (0.1, 500), "heat_capacity": (1e6, 5e6),
+}  # fmt: skip
 
 
 def test_constants_for_heat_have_sources_and_sizes_of_solids() -> None:
@@ -74,7 +72,7 @@ def test_constants_for_heat_have_sources_and_sizes_of_solids() -> None:
 
 @pytest.mark.parametrize("law", [solver.fibrous, solver.laminate])
 def test_composites_mix_constants_for_heat_by_the_relation_of_levin(law: Any) -> None:
-    polar, spinel = solver.find("BaTiO3"), solver.find("CoFe2O4")
+    polar, spinel = BTO, CFO
     ends = [law(polar, spinel, fraction).thermal for fraction in (0.0, 1.0)]
     for name, phase in (("expansion", spinel), ("conductivity", spinel), ("heat_capacity", spinel)):
         assert ends[0][name].value == pytest.approx(phase.thermal[name].value, rel=1e-9)
@@ -85,14 +83,12 @@ def test_composites_mix_constants_for_heat_by_the_relation_of_levin(law: Any) ->
 
 
 def test_a_laminate_is_pyroelectric_as_its_layers_in_series() -> None:
-    v, polar, spinel = 0.4, solver.find("BaTiO3"), solver.find("glass")  # no magnetic coupling
+    v, polar, spinel = 0.4, BTO, solver.find("glass")  # no magnetic coupling
     free = solver.laminate(polar, spinel, v)
     p = {name: known.value for name, known in free.thermal.items()}
     # unknowns per kelvin: strain across, strain along and field of each layer; shared: strain across, stress, D
     rows, right = np.zeros((5, 5)), np.zeros(5)
-    layers = [
-        {n: float(getattr(m, n)) for n in UNITS} | {n: k.value for n, k in m.thermal.items()} for m in (polar, spinel)
-    ]
+    layers = [constants(m) | {name: known.value for name, known in m.thermal.items()} for m in (polar, spinel)]
     for k, (c, share) in enumerate(zip(layers, (v, 1 - v), strict=True)):
         alpha, upright, field = c["expansion"], 1 + k, 3 + k
         rows[0, [0, upright, field]] += np.array([c["c11"] + c["c12"], c["c13"], -c["e31"] * 1e9]) * share

@@ -12,8 +12,10 @@ from scipy.special import jv
 import solver
 from solver.material.constants import Material
 from solver.stack.fourier import Medium
+from tests.solver.cases import BTO, FIBROUS
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+COAT: dict[str, Any] = {"thickness": 8e-5, "surroundings": "insulated", "base": "steel"}
 NU = 0.3
 STEEL = Material.isotropic(200e9, NU, name="isotropic")
 
@@ -22,9 +24,7 @@ def inside(case: dict[str, Any], x: list[float], y: list[float], fields: list[st
     return solver.solve_interior(case, x, y, fields=fields)
 
 
-@pytest.mark.parametrize(
-    "body", [{}, {"thickness": 1.2e-4, "surroundings": "insulated", "base": "steel"}], ids=["half-space", "film"]
-)
+@pytest.mark.parametrize("body", [{}, COAT | {"thickness": 1.2e-4}], ids=["half-space", "film"])
 def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> None:
     """Differences: parts that do not depend on the angle balance in space; stresses and fields obey the material.
 
@@ -64,7 +64,7 @@ def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> No
     field_r, field_y = along_r("electric_field_x"), parts("electric_field_y")
     for part in (0, 1):  # the curl of the electric field is zero in both
         assert abs(dy(field_r[part]) - dr(field_y[part])) < 1e-4 * float(np.abs(field_y[part]).max())
-    m = solver.find("BaTiO3")
+    m = BTO
     positions = [0.7, -0.3]
     strained = ["strain_xx", "strain_yy", "strain_xy"]
     at_points = inside(case, positions, [Y], strained).squeeze(), inside(case, positions, [Y]).squeeze()
@@ -81,16 +81,9 @@ def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> No
 def test_stresses_of_a_film_are_integrals_of_its_system() -> None:
     """On a rigid base: its 8 x 8 system by matrix exponentials, and the pressure's own transform, over k."""
     h, x, y = 1e-4, 0.8, -0.7
-    case = BALL | {
-        "thickness": h,
-        "surroundings": "insulated",
-        "base": "rigid",
-        "electric": "insulating",
-        "magnetic": "insulating",
-    }
+    case = BALL | COAT | {"thickness": h, "base": "rigid", "electric": "insulating", "magnetic": "insulating"}
     a = float(solver.solve(case)["contact_radius"])
-    medium = Medium(solver.find("BaTiO3"), np.ones(4))
-    medium = Medium(solver.find("BaTiO3"), medium.halfplane.scale)
+    medium = Medium(BTO, Medium(BTO, np.ones(4)).halfplane.scale)
     angle, shares = np.polynomial.legendre.leggauss(80)
     angle, shares = np.pi / 4 * (1 + angle), np.pi / 4 * shares
     s = np.sin(angle)
@@ -109,11 +102,9 @@ def test_stresses_of_a_film_are_integrals_of_its_system() -> None:
     assert solved == pytest.approx(integral, rel=2e-8)
 
 
-FIBROUS = solver.fibrous(solver.find("BaTiO3"), solver.find("CoFe2O4"), 0.5)
 CHARGED: dict[str, Any] = BALL | {"material": FIBROUS, "friction": 0.3, "total_charge": 1e-9, "total_flux": 1e-9}
 
 
-COAT: dict[str, Any] = {"thickness": 8e-5, "surroundings": "insulated", "base": "steel"}
 END: dict[str, Any] = {"profile": "disc", "width": 2e-4}
 SLID = {"half-space": CHARGED, "film": CHARGED | COAT, "disc": CHARGED | END, "disc on a film": CHARGED | END | COAT}
 

@@ -9,16 +9,17 @@ import pytest
 import solver
 from solver.halfplane.surface import HalfPlane
 from solver.point.profile import Shape, halfspace_peak
-from tests.solver.cases import FIBROUS
+from tests.solver.cases import BTO, FIBROUS
 
 BALL: dict[str, Any] = {"material": "BaTiO3", "profile": "sphere", "radius": 5e-3, "force": 10.0}
+FILM: dict[str, Any] = BALL | {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}
 
 
 @pytest.mark.parametrize("elastic", [False, True])
 def test_half_space_shifts_by_half_the_plane_s_angle(*, elastic: bool) -> None:
     """c = -(a/pi) eta kappa/lambda, of a rigid punch and of one with 210 GPa and nu = 0.3."""
     punch = {"punch_modulus": 210e9, "punch_poisson": 0.3} if elastic else {}
-    solution, half = solver.solve(BALL | {"friction": 0.3} | punch), HalfPlane(solver.find("BaTiO3"))
+    solution, half = solver.solve(BALL | {"friction": 0.3} | punch), HalfPlane(BTO)
     N = half.compliance + elastic * np.diag([2 * (1 - 0.3**2) / 210e9, 0.0, 0.0])
     k = half.friction_coupling + elastic * np.array([1.3 * 0.4 / 210e9, 0.0, 0.0])
     angle = 0.3 * float(np.linalg.inv(N)[0] @ k)
@@ -27,35 +28,27 @@ def test_half_space_shifts_by_half_the_plane_s_angle(*, elastic: bool) -> None:
 
 def test_below_an_electrode_it_shifts_as_a_body_whose_surface_is_grounded() -> None:
     """phi = 0 on the surface takes D_y out of N and k; half-spaces are films of the base's own material."""
-    titanate = solver.find("BaTiO3")
     bonded = {"thickness": 4e-5, "surroundings": "insulated", "base": "BaTiO3", "interface_electric": "bonded"}
     solution = solver.solve(BALL | bonded | {"friction": 0.3, "electrode": "top", "magnetic": "insulating"})
-    half = HalfPlane(titanate)
+    half = HalfPlane(BTO)
     (N, k), phi = (half.compliance, half.friction_coupling), 1
     turned = k[0] - k[phi] * N[0, phi] / N[phi, phi]
     angle = 0.3 * turned / (N[0, 0] - N[0, phi] ** 2 / N[phi, phi])
     assert float(solution["contact_offset"] / solution["contact_radius"]) == pytest.approx(-angle / np.pi, rel=1e-12)
 
 
-@pytest.mark.parametrize("body", [{}, {"thickness": 1e-4, "surroundings": "insulated", "base": "steel"}])
-def test_pressure_next_to_the_edge_falls_as_a_root_of_the_distance(body: dict[str, Any]) -> None:
+@pytest.mark.parametrize("case", [BALL, FILM], ids=["half-space", "film"])
+def test_pressure_next_to_the_edge_falls_as_a_root_of_the_distance(case: dict[str, Any]) -> None:
     """To the first order the root's exponent adds a logarithm; sums over depths of 1e-5 had no digits within 1e-4."""
     distance = np.array([1e-6, 1e-4, 1e-2])
     for side in (-1, 1):
-        pressure = solver.solve(BALL | {"friction": 0.3} | body, side * (1 - distance))[
-            "contact_pressure"
-        ].values.ravel()
-        over_root = pressure / np.sqrt(distance)
+        solution = solver.solve(case | {"friction": 0.3}, side * (1 - distance))
+        over_root = solution["contact_pressure"].values.ravel() / np.sqrt(distance)
         assert abs(np.diff(over_root, 2)[0]) < 0.03 * over_root[1]
 
 
 POWER: dict[str, Any] = {"material": "BaTiO3", "profile": "power", "exponent": 4.0, "coefficient": 1e8, "force": 10.0}
-RAISED: dict[str, Any] = BALL | {
-    "force": 30.0,
-    "thickness": 1e-4,
-    "surroundings": "insulated",
-    "base": "polyimide",
-}  # largest at 0.7 a
+RAISED = FILM | {"force": 30.0, "base": "polyimide"}  # largest at 0.7 a
 
 
 @pytest.mark.sampled(3)
@@ -89,10 +82,9 @@ def test_pressure_is_largest_beside_the_centre_above_the_exponent_2(exponent: in
 
 
 AIR: dict[str, Any] = BALL | {"magnetic": "insulating", "surroundings": "air"}
-FILM: dict[str, Any] = {"thickness": 1e-4, "base": "steel"}
 EDGES: dict[str, dict[str, Any]] = {
     "half-space": BALL,
-    "film": BALL | FILM | {"surroundings": "insulated"},
+    "film": FILM,
     "half-space in air": AIR,
     "film in air": AIR | {"thickness": 1e-4, "base": "rigid", "force": 37.0},
     "charged composite in air": AIR | {"material": FIBROUS, "total_charge": 2e-10, "magnetic": "conducting"},

@@ -157,7 +157,7 @@ def test_a_model_must_be_fitted_and_its_score_is_r2(model: GridGP) -> None:
 
 def test_printed_it_says_inputs_outputs_box_cases_and_calibration() -> None:
     x, y = Input("x", 0.0, 1.0, units="m"), Input("force", 1.0, 10.0, "log")
-    data = xr.Dataset(coords={"x": x.levels(4), "force": y.levels(3)})
+    data = functions.grid((x, y), (4, 3))
     model = GridGP(inputs=[x, y])
     assert str(model) == "GridGP, not fitted yet"
     model.fit(data.assign(f=(data.x * data.force).assign_attrs(units="Pa"), g=data.x + data.force))
@@ -169,8 +169,7 @@ def test_printed_it_says_inputs_outputs_box_cases_and_calibration() -> None:
         "outputs: f [Pa], g",
         "intervals: not calibrated",
     ]
-    t = np.random.default_rng(0).uniform(-1, 1, (2, 50))
-    cases = xr.Dataset({input_.name: ("case", input_.from_unit(row)) for input_, row in zip((x, y), t, strict=True)})
+    cases = functions.drawn((x, y), 50, seed=0)
     model.calibrate(cases.assign(f=cases.x * cases.force, g=cases.x + cases.force))
     assert str(model).endswith("intervals: calibrated on 50 cases")
 
@@ -193,9 +192,9 @@ def test_a_model_has_a_level_of_its_own(model: GridGP, tmp_path: Path) -> None:
 @pytest.fixture(scope="module")
 def product() -> GridGP:
     """The model of f = x y."""
-    x, y = Input("x", 0.0, 1.0), Input("y", 1.0, 2.0)
-    grid = xr.Dataset(coords={"x": x.levels(4), "y": y.levels(3)})
-    return GridGP([x, y]).fit(grid.assign(f=grid.x * grid.y))
+    inputs = Input("x", 0.0, 1.0), Input("y", 1.0, 2.0)
+    grid = functions.grid(inputs, (4, 3))
+    return GridGP(inputs).fit(grid.assign(f=grid.x * grid.y))
 
 
 def test_masked_and_missing_cells_are_refused_as_nan_is(product: GridGP) -> None:

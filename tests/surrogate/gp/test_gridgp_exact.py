@@ -20,8 +20,8 @@ FactorKernel = Callable[[Array, Array], Array]
 PLANE = (Input("x", -1.0, 3.0), Input("y", 0.1, 10.0, "log"), Input("z", 0.0, 1.0))
 
 
-def sample(levels: dict[str, Array]) -> xr.Dataset:
-    x, y, z = (xr.DataArray(v, dims=k, coords={k: v}) for k, v in levels.items())
+def sample(counts: Sequence[int]) -> xr.Dataset:
+    x, y, z = functions.grid(PLANE, counts).coords.values()
     return xr.Dataset({"f": np.exp(0.3 * x) / (1 + 0.2 * y) + z * np.cos(x), "g": np.sin(x) * np.log(y) * (1 + z**3)})
 
 
@@ -59,12 +59,11 @@ def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[Factor
 @pytest.mark.parametrize("rho", [0.3, 0.5, 0.8])
 @pytest.mark.parametrize("counts", [(3, 4, 2), (5, 3, 4)])
 def test_it_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> None:
-    levels = {input_.name: input_.levels(n) for input_, n in zip(PLANE, counts, strict=True)}
-    data, fixed = sample(levels), {"x": rho, "y": rho / 2, "z": 0.3}
+    data, fixed = sample(counts), {"x": rho, "y": rho / 2, "z": 0.3}
     model = GridGP(PLANE, hyperparameters=fixed, compression=0).fit(data)
     t = unit_points(40)
     mean, std = model.predict_array(physical_points(PLANE, t.T), return_std=True)
-    unit = [input_.to_unit(levels[input_.name]) for input_ in PLANE]
+    unit = [input_.to_unit(data[input_.name].values) for input_ in PLANE]
     for p, name in enumerate(model.outputs_):
         values = data[name].transpose("x", "y", "z").values
         offset, scale = values.mean(), values.std()
@@ -78,7 +77,7 @@ def test_it_agrees_with_a_dense_process(rho: float, counts: tuple[int, ...]) -> 
 
 def test_the_variance_of_a_derivative_is_that_of_a_dense_difference_quotient() -> None:
     counts, step = (5, 3, 2), 1e-3
-    data = sample({input_.name: input_.levels(n) for input_, n in zip(PLANE, counts, strict=True)})
+    data = sample(counts)
     model = GridGP(PLANE, hyperparameters={"x": 0.5, "y": 0.4, "z": 0.6}, compression=0).fit(data)
     levels, t = [input_.to_unit(data[input_.name]) for input_ in PLANE], unit_points(12)
     X = physical_points(PLANE, t.T)

@@ -16,22 +16,17 @@ from surrogate import Input, ScatterGP
 from surrogate.gp import scattergp
 from surrogate.gp.scattergp import DEGREE, REACH
 from tests.refusals import assert_refused
+from tests.surrogate import functions
 
 Array = NDArray[np.float64]
 INPUTS = (Input("x", -1.0, 1.0, units="m"), Input("y", 1.0, 100.0, "log"))
 
 
 def cases(count: int, seed: int = 0) -> xr.Dataset:
-    rng = np.random.default_rng(seed)
-    x, y = rng.uniform(-1, 1, count), 10 ** rng.uniform(0, 2, count)
-    return xr.Dataset(
-        {
-            "x": ("case", x),
-            "y": ("case", y),
-            "f": ("case", np.sin(2 * x) + np.log(y), {"units": "K"}),
-            "g": ("case", 50 + np.sin(3 * x * np.log(y) / 5)),
-        }
-    )
+    data = functions.drawn(INPUTS, count, seed)
+    x, y = data["x"].values, data["y"].values
+    f, g = np.sin(2 * x) + np.log(y), 50 + np.sin(3 * x * np.log(y) / 5)
+    return data.assign(f=("case", f, {"units": "K"}), g=("case", g))
 
 
 def correlation(theta: Array, a: Array, b: Array) -> Array:

@@ -2,37 +2,36 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from approximation.arrays import Array
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP, Input, load, save
 from surrogate.intervals.copula import Copula, ends
 from surrogate.intervals.distribution import PROBABILITIES, Normal, Tabulated
+from tests.surrogate import functions
 
 INPUTS = (Input("x", 0.0, 1.0), Input("y", 1.0, 3.0))
 
 
-def truth(x: Array, y: Array) -> dict[str, Array]:
+def truth(x: Any, y: Any) -> dict[str, Any]:
     """Outputs that share a near-pole, and one that does not."""
     pole, wave = 1 / (x + 0.1) ** y, np.cos(5 * x * y)
     return {"first": 3 + pole, "second": 2 + 0.7 * pole + 0.002 * wave, "other": np.exp(np.sin(4 * x * y) / y)}
 
 
 def cases(count: int, seed: int) -> xr.Dataset:
-    random = np.random.default_rng(seed)
-    x, y = random.uniform(0, 1, count), random.uniform(1, 3, count)
-    return xr.Dataset({name: ("case", column) for name, column in {"x": x, "y": y, **truth(x, y)}.items()})
+    points = functions.drawn(INPUTS, count, seed)
+    return points.assign(truth(points["x"], points["y"]))
 
 
 @pytest.fixture(scope="module")
 def model() -> GridGP:
-    x, y = INPUTS[0].levels(12), INPUTS[1].levels(8)
-    grid = {name: (("x", "y"), values) for name, values in truth(x[:, None], y).items()}
-    return GridGP(inputs=INPUTS).fit(xr.Dataset(grid, {"x": x, "y": y})).calibrate(cases(3000, 1))
+    grid = functions.grid(INPUTS, (12, 8))
+    return GridGP(inputs=INPUTS).fit(grid.assign(truth(grid["x"], grid["y"]))).calibrate(cases(3000, 1))
 
 
 def test_closed_sums_reach_as_far_as_they_should(model: GridGP) -> None:

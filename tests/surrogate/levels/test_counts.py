@@ -69,7 +69,7 @@ def test_noise_in_the_data_bounds_the_tolerance(pilot: xr.Dataset) -> None:
 
 def test_polynomials_get_exactly_the_levels_that_they_need() -> None:
     inputs = [Input("x", 0, 1), Input("y", -2, 3)]
-    x, y = (xr.DataArray(i.levels(9), dims=i.name, coords={i.name: i.levels(9)}) for i in inputs)
+    x, y = functions.grid(inputs, (9, 9)).coords.values()
     choice = choose(decays(xr.Dataset({"f": x**4 * (1 + y), "g": x**2 - 7 * y}), inputs), 1e-10, 100)
     assert choice.counts == {"x": 5, "y": 2}
     assert choice.affine == ("y",)
@@ -115,7 +115,7 @@ Levels = dict[str, NDArray[np.float64]]
 
 def solved(levels: Levels) -> xr.Dataset:
     """The test functions on any levels."""
-    return xr.Dataset(functions.outputs({n: xr.DataArray(x, dims=n, coords={n: x}) for n, x in levels.items()}))
+    return xr.Dataset(functions.outputs(xr.Dataset(coords=levels)))
 
 
 @pytest.mark.sampled(2)
@@ -140,7 +140,7 @@ PLANE = [Input("x", 0, 1), Input("y", 0, 1)]
 
 def plane(levels: Levels) -> xr.Dataset:
     """Outputs of two inputs, with a pole and with a kink along x."""
-    x, y = (xr.DataArray(levels[name], dims=name, coords={name: levels[name]}) for name in ("x", "y"))
+    x, y = (xr.Dataset(coords=levels)[name] for name in ("x", "y"))
     return xr.Dataset({"pole": 1 / (x + 0.05) + y, "kink": np.maximum(x, 0.4) * y, "smooth": np.exp(x * y)})
 
 

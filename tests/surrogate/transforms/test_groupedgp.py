@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from surrogate import GridGP, GroupedGP
 from surrogate.data.inputs import unit_coordinates
 from surrogate.use.sensitivity import sobol
 from surrogate.use.validation import validate
+from tests.surrogate import functions
 from tests.surrogate.grouped import GROUPING, INPUTS, SCALINGS, cases, factorial, world
 
 
@@ -57,11 +57,7 @@ def test_intervals_hold_at_the_ends_of_groups_and_in_corners(with_ends: GroupedG
 
 
 def test_sensitivity_is_that_to_the_inputs(exact: GroupedGP) -> None:
-    """Against the indices of a grid process on the inputs themselves."""
-    counts = (14, 7, 4, 7, 3)
-    levels = {input_.name: (input_.name, input_.levels(n)) for input_, n in zip(INPUTS, counts, strict=True)}
-    x = xr.Dataset(coords=levels)
-    plain = GridGP(inputs=INPUTS).fit(world(x))
+    plain = GridGP(inputs=INPUTS).fit(world(functions.grid(INPUTS, (14, 7, 4, 7, 3))))
     input_, two = sobol(exact), sobol(plain)
     for name in ("first_order", "total", "second_order"):
         np.testing.assert_allclose(

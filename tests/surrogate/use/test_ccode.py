@@ -21,7 +21,7 @@ from surrogate.use import fmu
 from surrogate.use.ccode import code
 from surrogate.use.rounding import Rounded, rounded
 from tests.compiled import Compiled
-from tests.surrogate import curved, grouped
+from tests.surrogate import curved, functions, grouped
 from tests.surrogate.functions import inside
 
 gcc = pytest.mark.needs("gcc")
@@ -34,10 +34,8 @@ def of_two_inputs() -> GaussianProcess:
     def with_outputs(cases: xr.Dataset) -> xr.Dataset:
         return cases.assign(steep=np.exp(-3 * cases.x * cases.y), wave=np.sin(3 * cases.x) * cases.y)
 
-    grid = xr.Dataset(coords={"x": inputs[0].levels(9), "y": inputs[1].levels(6)})
-    t = np.random.default_rng(1).uniform(-1, 1, (2, 1500))
-    cases = {axis.name: ("case", axis.from_unit(row)) for axis, row in zip(inputs, t, strict=True)}
-    return GridGP(inputs=inputs).fit(with_outputs(grid)).calibrate(with_outputs(xr.Dataset(cases)))
+    model = GridGP(inputs=inputs).fit(with_outputs(functions.grid(inputs, (9, 6))))
+    return model.calibrate(with_outputs(functions.drawn(inputs, 1500, seed=1)))
 
 
 @cache

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pandas as pd
@@ -38,6 +38,15 @@ def factorial(levels: list[Array]) -> Array:
     return np.random.default_rng(0).permutation(X)
 
 
+#: Rows of a factorial, in any order.
+ROWS = factorial(LEVELS)
+
+
+@cache
+def whole() -> FactorialRegressor:
+    return FactorialRegressor().fit(ROWS, truth(ROWS))
+
+
 def fresh(count: int = 50) -> Array:
     return np.random.default_rng(1).uniform([0.1, 2, -1], [0.9, 40, 2], (count, 3))
 
@@ -54,9 +63,8 @@ def test_the_checks_of_scikit_learn_pass(slow: bool) -> None:
 
 
 def test_a_factorial_in_any_order_is_the_grid_model_of_its_data_set() -> None:
-    X = factorial(LEVELS)
-    outputs = np.stack([truth(X), X[:, 0] ** 2], axis=1)
-    model = FactorialRegressor().fit(X, outputs)
+    outputs = np.stack([truth(ROWS), ROWS[:, 0] ** 2], axis=1)
+    model = FactorialRegressor().fit(ROWS, outputs)
     assert isinstance(model.model_, GridGP)
     assert [input_.scale for input_ in model.model_.inputs_] == ["linear", "log", "linear"]
     axes = {f"x{k}": levels for k, levels in enumerate(LEVELS)}
@@ -66,9 +74,8 @@ def test_a_factorial_in_any_order_is_the_grid_model_of_its_data_set() -> None:
     wanted = grid_model.predict_array(fresh(), return_std=True)
     np.testing.assert_allclose(mean, wanted[0], rtol=1e-11)
     np.testing.assert_allclose(std, wanted[1], rtol=1e-6)
-    single = FactorialRegressor().fit(X, truth(X))
-    assert single.predict(fresh(3)).shape == (3,)
-    np.testing.assert_allclose(single.predict(fresh()), truth(fresh()), atol=1e-4)
+    assert whole().predict(fresh(3)).shape == (3,)
+    np.testing.assert_allclose(whole().predict(fresh()), truth(fresh()), atol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -98,28 +105,25 @@ def test_tables_name_the_inputs_and_own_names_do_not_clash() -> None:
 
 
 def test_points_outside_are_answered_unless_refused() -> None:
-    X = factorial(LEVELS)
     beyond = np.array([[1.01, 10.0, 0.0]])
-    np.testing.assert_allclose(FactorialRegressor().fit(X, truth(X)).predict(beyond), truth(beyond), atol=1e-3)
+    np.testing.assert_allclose(whole().predict(beyond), truth(beyond), atol=1e-3)
     with pytest.raises(OutOfBoxError, match=re.escape("x0 = 1.01 is outside the trained box")):
-        FactorialRegressor(extrapolate=False).fit(X, truth(X)).predict(beyond)
+        FactorialRegressor(extrapolate=False).fit(ROWS, truth(ROWS)).predict(beyond)
 
 
 def test_double_rows_count_once_and_missing_ones_are_told() -> None:
-    X = factorial(LEVELS)
-    whole = FactorialRegressor().fit(X, truth(X))
-    doubled = np.concatenate([X, X[:3]])
+    doubled = np.concatenate([ROWS, ROWS[:3]])
     again = FactorialRegressor().fit(doubled, truth(doubled))
     assert isinstance(again.model_, GridGP)
-    np.testing.assert_allclose(again.predict(fresh()), whole.predict(fresh()), rtol=1e-12)
+    np.testing.assert_allclose(again.predict(fresh()), whole().predict(fresh()), rtol=1e-12)
     partial = factorial([LEVELS[0], LEVELS[2]])
     noisy = np.concatenate([partial, partial[:1]])
     y = np.append(partial[:, 0], partial[0, 0] + 0.1)  # no interpolation of it
     with pytest.warns(UserWarning, match=r"1 of them several times with other outputs, as x0 = "):
         assert isinstance(FactorialRegressor().fit(noisy, y).model_, ScatterGP)
-    expected = whole.predict(fresh())
+    expected = whole().predict(fresh())
     # the second: as many cases as combinations, but one of them twice; the last lacks eight
-    for partial, missing in ((X[1:], 1), (X[[1, *range(1, 210)]], 1), (X[8:], 8)):
+    for partial, missing in ((ROWS[1:], 1), (ROWS[[1, *range(1, 210)]], 1), (ROWS[8:], 8)):
         with pytest.warns(UserWarning, match=f"{missing} of the 210 combinations of 6 x 7 x 5 levels are missing"):
             model = FactorialRegressor().fit(partial, truth(partial))
         assert isinstance(model.model_, GridGP)
@@ -129,22 +133,18 @@ def test_double_rows_count_once_and_missing_ones_are_told() -> None:
 
 @pytest.mark.parametrize("rounded", [np.float32, lambda X: np.array([float(f"{x:.7g}") for x in X.flat])])
 def test_levels_in_single_precision_are_those_that_they_are_rounded_from(rounded: Callable[[Array], Array]) -> None:
-    X = factorial(LEVELS)
     with pytest.warns(UserWarning, match="rounded to seven digits; the exact ones are taken"):
-        model = FactorialRegressor().fit(np.reshape(rounded(X), X.shape), truth(X))
-    np.testing.assert_allclose(
-        model.predict(fresh()), FactorialRegressor().fit(X, truth(X)).predict(fresh()), rtol=1e-9
-    )
+        model = FactorialRegressor().fit(np.reshape(rounded(ROWS), ROWS.shape), truth(ROWS))
+    np.testing.assert_allclose(model.predict(fresh()), whole().predict(fresh()), rtol=1e-9)
 
 
 def test_a_scaler_before_it_changes_nothing() -> None:
-    X = factorial(LEVELS)
-    whole = FactorialRegressor().fit(X, truth(X)).predict(fresh())
+    expected = whole().predict(fresh())
     for scaler in (StandardScaler(), MinMaxScaler((-3, 5))):
-        model = make_pipeline(scaler, FactorialRegressor()).fit(X, truth(X))
+        model = make_pipeline(scaler, FactorialRegressor()).fit(ROWS, truth(ROWS))
         assert isinstance(model[-1].model_, GridGP)
         assert np.flatnonzero(model[-1].shift_).tolist() == [1]  # that of the logarithmic levels
-        np.testing.assert_allclose(model.predict(fresh()), whole, atol=1e-12 * np.ptp(whole))
+        np.testing.assert_allclose(model.predict(fresh()), expected, atol=1e-12 * np.ptp(expected))
     three = factorial([np.array([0.0, 0.3, 1.0]), *LEVELS[1:]])  # any three levels look like moved logarithms
     by_levels = FactorialRegressor().fit(three, truth(three)).model_
     assert isinstance(by_levels, ScatterGP)

@@ -7,14 +7,15 @@ from scipy import stats
 
 from surrogate import GridGP, Input
 from surrogate.use.inversion import Inversion
+from tests.surrogate import functions
 
 INPUTS = [Input("a", -2.0, 3.0), Input("b", 0.1, 10.0, "log"), Input("c", 0.0, 1.0)]
 
 
 def model(second: str) -> GridGP:
     """A model of u = a + c and v = log b (linear), or v = (log b + a / 2)^2 (folded: two answers)."""
-    levels = {input_.name: input_.levels(n) for input_, n in zip(INPUTS, (6, 8, 2), strict=True)}
-    a, b, c = (xr.DataArray(values, dims=name, coords={name: values}) for name, values in levels.items())
+    grid = functions.grid(INPUTS, (6, 8, 2))
+    a, b, c = (grid[input_.name] for input_ in INPUTS)
     v = np.log(b) if second == "linear" else (np.log(b) + a / 2) ** 2
     data = xr.Dataset({"u": (a + c + 0 * b), "v": v + 0 * a + 0 * c}).transpose("a", "b", "c")
     return GridGP(inputs=INPUTS).fit(data)

@@ -93,10 +93,9 @@ def test_the_baseline_is_the_polynomial_through_the_data() -> None:
 @cache
 def ishigami() -> GridGP:
     inputs = [Input(name, -np.pi, np.pi) for name in ("x1", "x2", "x3")]
-    levels = {input_.name: input_.levels(n) for input_, n in zip(inputs, (26, 30, 10), strict=True)}
-    x = [xr.DataArray(values, dims=name, coords={name: values}) for name, values in levels.items()]
-    f = np.sin(x[0]) + 7 * np.sin(x[1]) ** 2 + 0.1 * x[2] ** 4 * np.sin(x[0])
-    return GridGP(inputs=inputs).fit(xr.Dataset({"f": f, "constant": 0 * x[0] + 3, "single": 2 * x[2] ** 2}))
+    x = functions.grid(inputs, (26, 30, 10))
+    f = np.sin(x.x1) + 7 * np.sin(x.x2) ** 2 + 0.1 * x.x3**4 * np.sin(x.x1)
+    return GridGP(inputs=inputs).fit(xr.Dataset({"f": f, "constant": 0 * x.x1 + 3, "single": 2 * x.x3**2}))
 
 
 def test_indices_of_the_ishigami_function_are_the_known_ones() -> None:

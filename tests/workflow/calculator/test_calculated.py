@@ -61,13 +61,11 @@ console.log(JSON.stringify(answers));
 
 
 def calculated(questions: list[dict[str, Any]]) -> list[Any]:
-    """Answers of the scripts."""
     content = json.dumps({"library": LIBRARY, "asked": questions})
     command = [programs.path("node"), "-e", script() + DRIVER]
     done = subprocess.run(command, input=content, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    answers: list[Any] = json.loads(done.stdout)
-    return answers
+    return list(json.loads(done.stdout))
 
 
 def given(case: dict[str, Any], material: Material) -> dict[str, Any]:
@@ -150,19 +148,17 @@ def test_films_are_the_solver_s(name: str, shape: dict[str, Any]) -> None:
     softness = float(top.c33) / 4e11
     forces = [1e-4 * softness, 1e-1 * softness]
     case: dict[str, Any] = {**shape, "total_charge": 1e-15 * softness}
-    questions = [
-        (table, force, given({**case, "force": force, "punch": table["punch"]}, top))
-        for table in films.tables([name])
-        for force in forces
-    ]
-    answers = calculated(
-        [{"kind": "point", "given": inputs | {"film": table, "thickness": 2e-6}} for table, _, inputs in questions]
-    )
+    cases = [(table, force) for table in films.tables([name]) for force in forces]
+    inputs = [given({**case, "force": force, "punch": table["punch"]}, top) for table, force in cases]
+    answers = calculated([
+        {"kind": "point", "given": known | {"film": table, "thickness": 2e-6}}
+        for (table, _), known in zip(cases, inputs, strict=True)
+    ])  # fmt: skip
     factors = {**case, **films.FILMS[name], "thickness": 2e-6}
     solved = solver.solve({**factors, "punch": list(films.PUNCHES), "force": forces})
     names = [name for name in solved.data_vars if name in answers[0]]
     assert set(solved.data_vars) - set(names) == {name for name in MAGNETIC if name in solved} | {"nominal_field"}
-    for (table, force, _), answer in zip(questions, answers, strict=True):
+    for (table, force), answer in zip(cases, answers, strict=True):
         exact = solved[names].sel(punch=table["punch"], force=force)
         assert {name: off for name, off in compared(answer, exact) if not off < 2e-6} == {}
 
@@ -183,10 +179,9 @@ def test_balls_on_films_are_the_solver_s_in_air(name: str) -> None:
     rows = {key: xr.DataArray(values, dims="case") for key, values in (("radius", radius), ("force", force))}
     solved = solver.solve(case | rows)
     assert solved["surroundings"] == "air"
-    questions = [
-        {**given({**case, "radius": size, "force": pressed}, top), "film": table, "thickness": thickness}
-        for size, pressed in zip(radius, force, strict=True)
-    ]
+    film = {"film": table, "thickness": thickness}
+    pairs = zip(radius, force, strict=True)
+    questions = [given({**case, "radius": size, "force": pressed}, top) | film for size, pressed in pairs]
     answers = calculated([{"kind": "point", "given": inputs, "at": [0.0]} for inputs in questions])
     for number, answer in enumerate(answers):
         exact = solved.isel(case=number)

@@ -79,10 +79,9 @@ def test_the_page_answers_draws_and_keeps_its_state(width: int, tmp_path: Path) 
     assert seen["first"]["verdict"] == "Within what is known of the material"
     assert seen["first"]["words"].startswith("The face between film and base is grounded. The band is how far 4 other")
     assert seen["first"]["words"].endswith("Air surrounds the contact.")
-    pressed, *moved = (
-        solver.solve({**default, "force": 0.01, "material": top, "base": base})
-        for top, base in variants(FILMS["PVDF on glass"])
-    )
+    default["force"] = 0.01
+    pairs = variants(FILMS["PVDF on glass"])
+    pressed, *moved = (solver.solve({**default, "material": top, "base": base}) for top, base in pairs)
     names = ("contact_radius", "charge_per_force", "peak_pressure")
     wide = [max(abs(float(other[name] / pressed[name] - 1)) for other in moved) for name in names]
     assert seen["first"]["bands"] == [f"± {100 * share:.{1 if share < 0.1 else 2}g} %" for share in wide]

@@ -11,10 +11,8 @@ import numpy as np
 import pytest
 
 import surrogate
-from approximation.arrays import Array
 from tests import programs
 from tests.compiled import STRICT
-from tests.programs import Command
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -24,12 +22,6 @@ ERROR = 1e-5
 #: An environment with fmpy, a simulator of such units.
 PYTHON = Path(sys.prefix) / "referees/bin/python"
 FMPY = PYTHON.with_name("fmpy")
-
-
-@pytest.fixture(scope="module")
-def points(model: surrogate.GaussianProcess) -> Array:
-    t = np.random.default_rng(7).uniform(-1.1, 1.1, (5, 1000)).clip(-1, 1)
-    return np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t, strict=True)], axis=1)
 
 
 @pytest.fixture(scope="module")
@@ -51,9 +43,9 @@ print(json.dumps({"faults": faults, **{name: seen[name].tolist() for name in see
 
 
 @pytest.mark.skipif(not FMPY.exists(), reason="no fmpy (`make referees` installs it)")
-def test_a_simulator_finds_no_fault_in_the_unit_and_runs_it(
-    quickstart_run: Project, model: surrogate.GaussianProcess, points: Array, tmp_path: Path
-) -> None:
+def test_a_simulator_runs_the_unit(quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path) -> None:
+    t = np.random.default_rng(7).uniform(-1.1, 1.1, (5, 1000)).clip(-1, 1)
+    points = np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t, strict=True)], axis=1)
     unit = tmp_path / "contact.fmu"
     command = ["export", "results/quickstart", "--as", "fmu", "--outputs", ",".join(OUTPUTS), "-o", str(unit)]
     quickstart_run.run("meecontact", *command)
@@ -92,23 +84,3 @@ def test_the_example_finds_its_load(quickstart_run: Project, model: surrogate.Ga
         assert lower < 2e4 < upper
     for wrong in ("1e9", "nan"):
         assert subprocess.run([binary, wrong, "25"], capture_output=True, check=False).returncode == 1
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (["--outputs", "volt"], "--outputs: volt: not an output of the surrogate; .*voltage"),
-        (["--error", "2"], "--error: 2: must be one number from 1e-12 to 0.1, a share of the range"),
-        (["--precision", "single", "--error", "1e-9", "--outputs", "flux_per_force"], "error 1e-09 is not reached"),
-        (["-o", "2.c"], "export: '2' is no name in C"),
-        (["-o", "x.cpp"], "-o: x.cpp: must end in .c"),
-        (["--as", "fortran"], "'fortran' is unknown; .*c"),
-    ],
-)
-def test_refusals_are_one_line_and_write_nothing(
-    quickstart_run: Project, arguments: list[str], said: str, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
-    monkeypatch.chdir(quickstart_run.folder)
-    before = set(quickstart_run.folder.iterdir())
-    assert re.search(said, command.refused("export", "results/quickstart", "--as", "c", *arguments))
-    assert set(quickstart_run.folder.iterdir()) == before

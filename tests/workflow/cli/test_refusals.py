@@ -33,23 +33,27 @@ FILES = {
 }
 
 
-@pytest.fixture(scope="module")
-def model(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """The bytes of a surrogate of two inputs."""
+def two_inputs(path: Path, output: str, units: str) -> Path:
+    """The file of a surrogate of two inputs and one output."""
     inputs = [Input("radius", 0.01, 0.2, "log", "m"), Input("friction", 0.0, 0.5, units="1")]
     axes = {axis.name: axis.levels(5) for axis in inputs}
     values = np.exp(axes["friction"]) * np.log(axes["radius"])[:, None]
-    data = xr.Dataset({"depth": (("radius", "friction"), values, {"units": "m"})}, coords=axes)
-    path = tmp_path_factory.mktemp("model") / "surrogate.nc"
-    save(GridGP(inputs=inputs, outputs=["depth"]).fit(data), path)
-    return path.read_bytes()
+    data = xr.Dataset({output: (("radius", "friction"), values, {"units": units})}, coords=axes)
+    save(GridGP(inputs=inputs, outputs=[output]).fit(data), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    return two_inputs(tmp_path_factory.mktemp("model") / "surrogate.nc", "depth", "m").read_bytes()
 
 
 @pytest.fixture
-def place(model: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def place(model: bytes, here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a file of every kind that commands read, a pipe, a folder and a link."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(os, "environ", {**os.environ})
+    monkeypatch.setattr(casetable, "_MOST_CASES", 20)
+    monkeypatch.setattr(casetable, "_MOST_LINES", 80)
     for name, text in FILES.items():
         Path(name).parent.mkdir(parents=True, exist_ok=True)
         Path(name).write_text(text, encoding="utf-8")
@@ -58,7 +62,7 @@ def place(model: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     os.mkfifo("pipe.nc")
     Path("folder.nc").mkdir()
     Path("link.nc").symlink_to("cases.csv")
-    return tmp_path
+    return here
 
 
 SOLVED, INSIDE = "solve cases.csv -o out.nc", "interior cases.csv -o out.nc --x=0 --y=-1"
@@ -90,6 +94,13 @@ COMMANDS = [
     ("query pipe.nc --at radius=0.1,friction=0.1", "not a regular file"),
     ("material pipe.nc", "not a regular file"),
     *((f"{words} {'x' * 300}", "xxx: File name too long") for words in ("query --at a=1", "export --as c", "solve")),
+    # exports
+    ("export surrogate.nc --as c --outputs volt", "--outputs: volt: not an output of the surrogate; allowed: depth"),
+    ("export surrogate.nc --as c --error 2", "--error: 2: must be one number from 1e-12 to 0.1, a share of the range"),
+    ("export surrogate.nc --as c -o x.c --precision single --error 1e-9", "error 1e-09 is not reached"),
+    ("export surrogate.nc --as c -o 2.c", "export: '2' is no name in C"),
+    ("export surrogate.nc --as c -o x.cpp", "-o: x.cpp: must end in .c"),
+    ("export surrogate.nc --as fortran", "'fortran' is unknown; allowed: c, fmu"),
     # results
     ("query config --at load=1", "surrogate: config: holds no surrogate.nc"),
     ("query WRONG --at load=1", "WRONG: no such file or folder; must be results/STUDY"),
@@ -189,8 +200,7 @@ HISTORIES = [
     ("time [s],force [N],temperature [K]\n0,0,295\n1,1,295\n1,1,306\n",
      "line 4: time: 1 is not after 1, from 295 to 306 K: no temperature jumps without time"),
     ("time [s],force [N],temperature [degC]\n0,0,22\n1,1,-300\n", "line 3: temperature: -26.85 K is not a finite"),
-    ("time [s],force [N],temperature [K],temperature [degC]\n0,0,295,22\n1,1,306,33\n",
-     "column 'temperature': given twice"),
+    ("time,force,temperature [K],temperature [degC]\n0,0,295,22\n1,1,306,33\n", "column 'temperature': given twice"),
     ("time [s],force [N]\n0,1\n1,-1\n", "line 3: force: -1 is not a finite number >= 0; subtract"),
     ("time [s],force [N]\n0,0\n1,0\n", "is 0 all the time"),
     ("time [m],force [N]\n0,0\n1,1\n", "unit mismatch: 'm' does not measure"),
@@ -228,11 +238,7 @@ MATERIALS = [
     + [(f"{AMPLIFIED} {BALL}".replace("history.csv", "bad"), text.encode(), reason) for text, reason in HISTORIES]
     + [("material bad", text.encode(), reason) for text, reason in MATERIALS],
 )
-def test_it_is_refused_in_one_line(
-    words: str, content: bytes, reason: str, place: Path, command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(casetable, "_MOST_CASES", 20)
-    monkeypatch.setattr(casetable, "_MOST_LINES", 80)
+def test_it_is_refused_in_one_line(words: str, content: bytes, reason: str, place: Path, command: Command) -> None:
     Path("bad").write_bytes(content)
     before = {path: path.read_bytes() if path.is_file() else b"" for path in place.rglob("*")}
     line = command.refused(*shlex.split(words))
@@ -243,10 +249,8 @@ def test_it_is_refused_in_one_line(
 
 
 @pytest.mark.parametrize("name", ["results", "logs", "results/mine", "logs/mine"])
-def test_a_file_where_results_would_go_is_named(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("here")
+def test_a_file_where_results_would_go_is_named(name: str, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
     monkeypatch.setattr(os, "environ", {**os.environ})
     Path(name).parent.mkdir(exist_ok=True)
     Path(name).write_text("", encoding="utf-8")
@@ -264,11 +268,9 @@ def test_results_of_a_namesake_are_not_replaced(place: Path, command: Command) -
     location.check_owner("mine", results)
 
 
-def test_a_folder_in_which_no_netcdf_file_can_be_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command
-) -> None:
-    (tmp_path / "a\\b").mkdir()
-    monkeypatch.chdir(tmp_path / "a\\b")
+def test_a_folder_that_no_netcdf_file_can_have_is_refused(monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
+    (command.folder / "a\\b").mkdir()
+    monkeypatch.chdir(command.folder / "a\\b")
     assert "backslash" in command.refused("run", "quickstart")
 
 

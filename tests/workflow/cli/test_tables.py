@@ -1,7 +1,9 @@
-"""Tables of cases: read as other programs write them, solved in blocks with the bits of one pass."""
+"""Tables of cases, solved in blocks with the bits of one pass, and of forces in time."""
 
 import io
+import re
 import resource
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,15 +14,18 @@ import pytest
 import xarray as xr
 
 import solver
-from solver import solve
 from solver.fields import INTERIOR
 from solver.names import POINT_SLIDING
 from storage.netcdf import read_whole, write_whole
 from tests.programs import Command
+from workflow.cli import sensing
 from workflow.cli import solve as case_solver
 from workflow.cli.casetable import read_cases
+from workflow.cli.sensing import read_history
 from workflow.cli.textfile import write_columns
+from workflow.device import contact
 from workflow.language.wordings import plain
+from workflow.run.provenance import ROOT
 from workflow.study.reading import InputError
 
 
@@ -64,9 +69,7 @@ HEADERS = [
         ("load [kN·m⁻¹],charge,base_modulus\n1.5×10¹,−2 µC·m⁻¹,2.1×10¹¹\n", [[1.5e4], [-2e-6], [2.1e11]]),
     ],
 )
-def test_units_are_read_in_every_way_that_tables_write_them(
-    text: str, expected: list[list[float]], command: Command
-) -> None:
+def test_units_are_read_in_every_notation(text: str, expected: list[list[float]], command: Command) -> None:
     columns = read_cases(command.file("cases.csv", text)).columns
     assert [column.tolist() for column in list(columns.values())[: len(expected)]] == expected
 
@@ -112,7 +115,7 @@ def test_blocks_give_the_bytes_of_one_pass(tmp_path: Path, monkeypatch: pytest.M
 
         def counted(factors: xr.Dataset) -> xr.Dataset:
             sizes.append(factors.sizes["case"])
-            return solve(factors, [-2.0, 0.5])
+            return solver.solve(factors, [-2.0, 0.5])
 
         write_whole(case_solver.solved(read_cases(path), counted, 2), tmp_path / f"{most}.nc")
         return (tmp_path / f"{most}.nc").read_bytes()
@@ -148,7 +151,7 @@ def test_an_answer_too_large_for_the_memory_is_refused(monkeypatch: pytest.Monke
     path = command.file("cases.csv", "material,radius,load\n" + "steel,0.05,1e5\n" * 50)
     monkeypatch.setattr(case_solver, "_MOST_BYTES", 5000)
     with pytest.raises(InputError, match=r"cases\.csv: 50 cases give more than 5000 bytes; split it"):
-        case_solver.solved(read_cases(path), solve)
+        case_solver.solved(read_cases(path), solver.solve)
 
 
 def test_a_name_that_a_spreadsheet_would_calculate_stays_a_name() -> None:
@@ -228,3 +231,67 @@ def test_fields_inside_films_end_at_a_rigid_base(command: Command) -> None:
     data = read_whole(out)
     assert np.isnan(data["von_mises"].values).any(axis=2).tolist() == [[True, False], [False, False]]
     assert np.all(data["stress_yy"].values[:, 1] < 0)
+
+
+PAGE = (ROOT / "docs/signal.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"(?:^    .+\n)+", PAGE, re.MULTILINE)
+CASE = "profile=sphere,material=BaTiO3,radius=5 mm"
+DEVICE = "input_capacitance=10 pF,input_resistance=1 GOhm"
+
+
+def test_the_page_s_example(here: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
+    monkeypatch.setattr(contact, "_COUNT", 5)  # contacts in air take long
+    command.file("history.csv", BLOCKS[0].replace("    ", ""))
+    program, *words = shlex.split(BLOCKS[1])
+    assert program == "meecontact"
+    lines = command(*words)[0].splitlines()
+    table = np.genfromtxt("signal.csv", delimiter=",", skip_header=1)
+    assert table.shape == (41, 5)
+    peak = table[np.abs(table[:, 3]).argmax(), 3]
+    assert table[10, 3] == peak < 0  # at the end of pressing; positive charge at zero volts
+    assert table[-1, 4] == table[-1, 3]  # a voltage amplifier's output is the voltage
+    assert lines[0].startswith("peak voltage of the punch: ")
+    assert any("a constant force decays with the time constant" in line and "after 10 s" in line for line in lines)
+    assert any(line.startswith("noise floor: ") for line in lines)
+
+
+def test_long_signals_are_thinned(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: Command) -> None:
+    count = 10_001
+    force = np.minimum(np.arange(count) / 1_000, 1) * 2  # N
+    rows, out = "".join(f"{k * 1e-4:.4f},{value:.6f}\n" for k, value in enumerate(force)), tmp_path / "out.csv"
+    path = command.file("long.csv", f"time [s],force [N]\n{rows}")
+    options: list[str | Path] = ["--on", CASE, "--device", DEVICE, "-o", out]
+    command("signal", path, *options)
+    full = np.genfromtxt(out, delimiter=",", skip_header=1)
+    command("signal", command.file("coarse.csv", "time [s],force [N]\n0,0\n0.1,2\n1,2\n"), *options, "--parts", "10")
+    few = np.genfromtxt(out, delimiter=",", skip_header=1)
+    dense = np.interp(few[:, 0], full[:, 0], full[:, 3])
+    np.testing.assert_allclose(dense, few[:, 3], atol=1e-6 * np.abs(few[:, 3]).max())
+    monkeypatch.setattr(sensing, "_MOST_WRITTEN", 500)
+    assert "of 10001: in groups" in command("signal", path, *options)[1]
+    thinned = np.genfromtxt(out, delimiter=",", skip_header=1)
+    assert len(thinned) < 600
+    assert np.abs(thinned[:, 3]).max() == np.abs(full[:, 3]).max()
+
+
+@pytest.mark.parametrize(
+    ("text", "length", "forces"),
+    [
+        ("time [s],force [N]\n0,0\n0.5,2\n1.5,2\n", None, [0, 2, 2]),
+        ("# a remark\nTime (ms);Force (mN)\n0;0\n500;2000,0\n1500;2000\n", None, [0, 2, 2]),
+        ("force,time\n-0.01,0\n2 N,500 ms\n2,1.5\n", None, [0, 2, 2]),
+        ("time [s],load [N/mm]\n0,0\n0.5,0.2\n1.5,0.2\n", 0.01, [0, 2, 2]),
+        ("time [s],force [N]\n0,0\n0.5,2\n1.5,2\n", 0.01, [0, 2, 2]),
+    ],
+)
+def test_histories_are_tables_with_units(text: str, length: float, forces: list[float], command: Command) -> None:
+    history, bare = read_history(command.file("history.csv", text), length)
+    np.testing.assert_allclose(history.times, [0, 0.5, 1.5], rtol=1e-12)
+    np.testing.assert_allclose(history.forces, forces, rtol=1e-12)
+    assert bare == text.startswith("force,")
+
+
+def test_a_history_may_have_temperatures(command: Command) -> None:
+    for heading, zero in (("temperature [K]", 0.0), ("temperature [degC]", 273.15), ("Temperature °C", 273.15)):
+        path = command.file("history.csv", f"time [s],force [N],{heading}\n0,0,22\n1,1,33.5\n")
+        assert read_history(path, None)[0].temperatures == pytest.approx([22 + zero, 33.5 + zero], rel=1e-15)

@@ -1,4 +1,4 @@
-"""Cases of films that follow by similarity from the stored ones, against the solver, and effects of one factor."""
+"""Groups and similar cases: axes, stored cases, the surrogate, and effects of one factor, against the solver."""
 
 import os
 import subprocess
@@ -7,14 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import solver
 from solver import FactorError
+from surrogate import GroupedGP
 from surrogate.transforms.groups import Scales
-from tests.studies import made
+from tests.studies import edited, fitted, made
 from workflow.dataset import effects, factorial
+from workflow.learning import training
 from workflow.study import representatives
-from workflow.study.model import Study
+from workflow.study.reading import InputError
 
 STUDY = """\
 title: Films in groups
@@ -32,12 +35,8 @@ validation: {cases: 20, calibration: 40}
 """
 
 
-@pytest.fixture(scope="module")
-def study() -> Study:
-    return made(STUDY)
-
-
-def test_a_case_that_is_refused_is_named(study: Study) -> None:
+def test_a_case_that_is_refused_is_named() -> None:
+    study = made(STUDY)
     axes = {"thickness": np.array([1e-3]), "load": 0.03, "radius": np.array([0.1, 0.05, 0.03]), "charge": 0.0}
     with pytest.raises(FactorError) as caught:
         factorial.exact(study, axes)
@@ -48,8 +47,9 @@ def test_a_case_that_is_refused_is_named(study: Study) -> None:
     assert "\n" not in said
 
 
-def test_every_quantity_follows_from_the_case_with_the_same_groups(study: Study) -> None:
+def test_every_quantity_follows_from_the_case_with_the_same_groups() -> None:
     """The depth on steel too, whose logarithm of the datum is added."""
+    study = made(STUDY)
     case = {"thickness": 2.3e-4, "radius": 0.08, "load": 2.2e4, "charge": 1.7e-6}
     grouping = factorial.grouping(study)
     X = np.array([[case[name] for name in study.factors]])
@@ -85,15 +85,11 @@ print({name: values.values.tobytes().hex() for name, values in factors.items() i
 def test_equal_inputs_give_equal_bytes_whatever_python_hashes_texts_to(tmp_path: Path) -> None:
     """Two factors are divided by in the second product: the order, which decides bits, is the product's."""
     (tmp_path / "study.yaml").write_text(STUDY, encoding="utf-8")
-    outputs = {}
-    for seed in ("0", "1"):
-        command = [sys.executable, "-c", REPRESENTATIVES, str(tmp_path / "study.yaml")]
-        done = subprocess.run(
-            command, env={**os.environ, "PYTHONHASHSEED": seed}, capture_output=True, text=True, check=True
-        )
-        outputs[seed] = done.stdout
-    assert "load" in outputs["0"]
-    assert outputs["0"] == outputs["1"]
+    command = [sys.executable, "-c", REPRESENTATIVES, str(tmp_path / "study.yaml")]
+    environments = ({**os.environ, "PYTHONHASHSEED": seed} for seed in ("0", "1"))
+    first, second = (subprocess.check_output(command, env=variables, text=True) for variables in environments)
+    assert "load" in first
+    assert first == second
 
 
 FILM = """\
@@ -113,21 +109,16 @@ effects:
 """
 
 
-@pytest.fixture(scope="module")
-def film_study() -> Study:
-    return made(FILM)
-
-
 @pytest.mark.parametrize(("factor", "last"), [("thickness", np.nan), ("base", "half-plane")])
-def test_effects_of_films_stand_beside_the_half_plane(film_study: Study, factor: str, last: object) -> None:
+def test_effects_of_films_stand_beside_the_half_plane(factor: str, last: object) -> None:
+    film_study = made(FILM)
     assert film_study.effects is not None
     curves = effects.effect(film_study, factor)
     np.testing.assert_array_equal(curves[factor].values[-1:], [last])
     positions = film_study.effects.positions.values()
     baseline = dict(film_study.effects.baseline)
-    np.testing.assert_array_equal(
-        curves["contact_pressure"].isel({factor: -1}), solver.solve(baseline, positions)["contact_pressure"]
-    )
+    half_plane = solver.solve(baseline, positions)["contact_pressure"]
+    np.testing.assert_array_equal(curves["contact_pressure"].isel({factor: -1}), half_plane)
     film = solver.solve(baseline | {"thickness": 2e-4, "surroundings": "insulated", "base": "silicon"}, positions)
     np.testing.assert_allclose(curves["stress_xx"].isel({factor: 1}), film["stress_xx"], rtol=1e-12)
     assert "thickness" not in effects.effect(film_study, "friction").coords
@@ -157,3 +148,91 @@ def test_effects_about_one_baseline_stand_together() -> None:
     rows = {name: together[name].values.tolist() for name in study.effects.baseline}
     again = solver.solve([dict(zip(rows, row, strict=True)) for row in zip(*rows.values(), strict=True)])
     np.testing.assert_allclose(again["voltage"], together["voltage"], rtol=1e-12)
+
+
+GROUPED = """\
+title: A half-plane in groups
+fixed: {composite: fibrous, datum: 0.5}
+factors:
+  volume_fraction: {low: 0.2, high: 0.8}
+  friction: {low: 0.0, high: 0.4}
+  radius: {low: 0.02, high: 0.2, scale: log}
+  load: {low: 5e3, high: 5e4, scale: log}
+  charge: {low: -1e-6, high: 2e-6}
+groups:
+  volume_fraction: {levels: 8, scale: logit}
+  friction: {levels: 4}
+  load * radius / datum^2: {levels: 5}
+  charge / load: {levels: 3}
+dataset: {slabs: 2, positions: {inside: 6, outside: 2}}
+surrogate: {outputs: [depth, voltage, peak_pressure, trailing_tension, blocked_load_per_volt, contact_trailing]}
+validation: {cases: 300, calibration: 600, tolerance: 1e-3}
+"""
+
+
+@pytest.fixture(scope="module")
+def model() -> GroupedGP:
+    half_plane = made(GROUPED)
+    grouped = fitted(half_plane, calibrated=True)
+    assert isinstance(grouped, GroupedGP)
+    return grouped
+
+
+def test_axes_are_the_groups_over_the_box() -> None:
+    half_plane = made(GROUPED)
+    assert list(half_plane.axes) == ["volume_fraction", "friction", "load_radius_per_datum2", "charge_per_load"]
+    pressed, charged = half_plane.axes["load_radius_per_datum2"], half_plane.axes["charge_per_load"]
+    np.testing.assert_allclose([pressed.low, pressed.high], [5e3 * 0.02 / 0.25, 5e4 * 0.2 / 0.25], rtol=1e-9)
+    np.testing.assert_allclose([charged.low, charged.high], [-1e-6 / 5e3, 2e-6 / 5e3], rtol=1e-12)
+    assert (pressed.scale, charged.scale, half_plane.axes["volume_fraction"].scale) == ("log", "linear", "logit")
+    assert half_plane.cases == 8 * 4 * 5 * 3
+    assert list(half_plane.factors) == ["volume_fraction", "friction", "radius", "load", "charge"]
+
+
+def test_stored_cases_have_the_values_of_the_groups() -> None:
+    half_plane = made(GROUPED)
+    axes = factorial.levels(half_plane)
+    factors = representatives.factors(half_plane, axes)
+    assert factors["radius"] == pytest.approx(np.sqrt(0.02 * 0.2))
+    load, charge = xr.DataArray(factors["load"]), xr.DataArray(factors["charge"])
+    np.testing.assert_allclose(load * factors["radius"] / 0.25, axes["load_radius_per_datum2"], rtol=1e-12)
+    np.testing.assert_allclose((charge / load).isel(load_radius_per_datum2=2), axes["charge_per_load"], rtol=1e-12)
+
+
+def test_what_the_surrogate_says_in_the_factors_is_exact(model: GroupedGP) -> None:
+    half_plane = made(GROUPED)
+    fresh = factorial.cases(half_plane, "validation")
+    table = training.validate(half_plane, factorial.exact(half_plane, factorial.axes(half_plane)), fresh, model)
+    assert float(table.max_error.max()) < 1e-4
+    assert float(np.abs(table.coverage - 0.95).max()) < 0.05
+    assert list(table.axis.values) == list(half_plane.axes)
+    assert list(model.box) == list(half_plane.factors)
+
+
+def test_logarithms_are_chosen_by_decay_and_refused_of_signs() -> None:
+    wide = GROUPED.replace("low: 0.02, high: 0.2", "low: 0.005, high: 0.2").replace("5e3, high: 5e4", "3e3, high: 3e5")
+    wide = wide.replace("datum: 0.5", "datum: 1.0")
+    half_plane = made(wide)
+    data = factorial.exact(half_plane, factorial.axes(half_plane))
+    learned = factorial.with_factors(half_plane, factorial.training_data(half_plane, data))
+    chosen = factorial.grouping(half_plane, learned)
+    assert chosen.scalings["blocked_load_per_volt"].logarithm == -1
+    assert chosen.scalings["depth"].logarithm == 0
+    named = made(wide.replace("surrogate: {", "surrogate: {log: [trailing_tension], "))
+    logs = {name: scaling.logarithm for name, scaling in factorial.grouping(named, learned).scalings.items()}
+    assert logs.pop("trailing_tension") == 1
+    assert not any(logs.values())
+    signs = made(wide.replace("surrogate: {", "surrogate: {log: [voltage], "))
+    wrong = learned.assign(voltage=learned["voltage"] - learned["voltage"].mean())
+    with pytest.raises(InputError, match=r"surrogate: log: 'voltage' is from -.* to .*: no logarithm"):
+        factorial.grouping(signs, wrong)
+
+
+def test_groups_that_do_not_tell_the_datum_or_an_elastic_punch_leave_out_what_hangs_on_them() -> None:
+    """Without a datum load and radius scale away; that of an elastic punch is its radius."""
+    without = edited(GROUPED, "  load * radius / datum^2: {levels: 5}\n", "")
+    without = edited(without, "depth, voltage, ", "").replace("blocked_load_per_volt, ", "")
+    assert made(without).outputs == ["peak_pressure", "trailing_tension", "contact_trailing"]
+    elastic = made(edited(GROUPED, "datum: 0.5}", "datum: 0.5, punch: steel}").split("surrogate:")[0])
+    assert {"depth", "blocked_load_per_volt", "blocked_load_per_ampere"}.isdisjoint(elastic.outputs)
+    assert "voltage" in elastic.outputs

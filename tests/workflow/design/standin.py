@@ -32,11 +32,9 @@ class StandIn(Predicted):
         self._exact = Exact(study)
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name."""
         return self._exact.values(factors, names)
 
     def errors(self, factors: Factors, weights: Mapping[str, Array]) -> tuple[float, float]:
-        """None."""
         return 0.0, 0.0
 
 

@@ -43,7 +43,6 @@ CRACK = "peak_principal_tension <= 60 MPa"
 
 
 def target(**words: object) -> Target:
-    """A sensor over both variables."""
     wanted = {} if "minimise" in words else {"maximise": "abs(voltage_per_load)"}
     return Target.model_validate({**wanted, "over": ["volume_fraction", "radius"], **words})
 
@@ -74,8 +73,8 @@ def test_a_limit_on_a_searched_stress_costs_nothing(model: GaussianProcess, dens
     name, bound = "peak_principal_tension", 60e6
     allowed = dense[name].max("friction") <= bound
     best = float(abs(dense["voltage_per_load"]).min("friction").where(allowed).max())
-    variables = {key: answer.variable(key).value for key in ("volume_fraction", "radius")}
-    exact = solve({"composite": "fibrous", "load": 5e4, **variables, "friction": np.linspace(0.1, 0.4, 61)}, peaks=True)
+    case = {"composite": "fibrous", "load": 5e4, "friction": np.linspace(0.1, 0.4, 61)}
+    exact = solve(case | {key: answer.variable(key).value for key in ("volume_fraction", "radius")}, peaks=True)
     assert float(exact[name].max()) <= bound
     assert float(exact[name].max()) >= bound * (1 - 1e-5)
     assert float(abs(exact["voltage_per_load"]).min()) >= best * (1 - 1e-6)
@@ -137,7 +136,6 @@ class Closed(Exact):
         self.share, self.cases = share, 0
 
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """The closed form, whatever is asked for."""
         self.cases += int(np.prod(shape(factors)))
         friction = factors["friction"]
         tops = 5e7 * (1 + 0.3 * np.cos(40 * friction) + 0.02 * friction)

@@ -19,10 +19,7 @@ Array = NDArray[np.float64]
 
 STUDY = standin.study(
     fixed={"material": "PZT-4", "load": 1e4},
-    factors={
-        "radius": {"low": 0.01, "high": 0.1, "levels": 4},
-        "friction": {"low": 0.1, "high": 0.4, "levels": 4},
-    },
+    factors={"radius": {"low": 0.01, "high": 0.1, "levels": 4}, "friction": {"low": 0.1, "high": 0.4, "levels": 4}},
 )
 TARGET = Target(
     maximise="voltage_per_load",

@@ -110,9 +110,7 @@ def test_a_chance_constraint_binds_at_its_probability(study: Study, model: GridG
 
 
 def test_an_exact_value_outside_its_band_fails(study: Study, model: GridGP, monkeypatch: pytest.MonkeyPatch) -> None:
-    class Wrong(Predicted):
-        """A surrogate that is off by 5 %."""
-
+    class Wrong(Predicted):  # by 5 %
         def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
             return {name: 1.05 * value for name, value in super().values(factors, names).items()}
 

@@ -14,16 +14,14 @@ from tests.test_notebooks import table
 from tests.workflow.conftest import Project
 from workflow.design.search import targets
 from workflow.design.search.design import Design
-from workflow.study.model import Study, load
+from workflow.study.model import load
 from workflow.study.target import Target
 
 #: Tension that BaTiO3 bears [Pa].
 STRENGTH = 35e6
 
 
-@pytest.fixture(scope="module")
-def quickstart() -> Study:
-    return load(Path("config/quickstart.yaml"))
+QUICKSTART = Path("config/quickstart.yaml")
 
 
 @pytest.fixture(scope="module")
@@ -49,9 +47,9 @@ def best_of(dense: xr.Dataset, quantity: str) -> tuple[float, float]:
     return float(best.max()), float(best["volume_fraction"][where["volume_fraction"]])
 
 
-def test_designs_lose_nothing_and_break_no_limit(quickstart: Study, model: GaussianProcess, dense: xr.Dataset) -> None:
+def test_designs_lose_nothing_and_break_no_limit(model: GaussianProcess, dense: xr.Dataset) -> None:
     for name, quantity in (("sensor", "voltage_per_load"), ("actuator", "stroke_per_volt")):
-        design = Design.of(quickstart, name, model)
+        design = Design.of(load(QUICKSTART), name, model)
         answer = design.answer
         best, fraction = best_of(dense, quantity)
         objective = answer.term(f"abs({quantity})").exact
@@ -70,15 +68,13 @@ def test_designs_lose_nothing_and_break_no_limit(quickstart: Study, model: Gauss
             assert answer.term("trailing_tension <= tensile_strength").margin < 1e-6
 
 
-def test_the_front_is_as_large_as_a_dense_exact_one(
-    quickstart: Study, model: GaussianProcess, dense: xr.Dataset
-) -> None:
+def test_the_front_is_as_large_as_a_dense_one(model: GaussianProcess, dense: xr.Dataset) -> None:
     target = Target(
         maximise="abs(voltage_per_load)", minimise="trailing_tension", over=["volume_fraction", "radius"],
         at={"load": 5e3, "charge": 0.0}, worst_case={"friction": [0.1, 0.4]},
         subject_to=["trailing_tension <= 120 MPa"],
     )  # fmt: skip
-    answer = targets.answer(quickstart, "front", target, model)
+    answer = targets.answer(load(QUICKSTART), "front", target, model)
     front = answer.pictures["front_exact"].values * [1, -1]
     worst = [abs(dense["voltage_per_load"]).min("friction"), -dense["trailing_tension"].max("friction")]
     points = np.stack([values.values.ravel() for values in worst], -1)

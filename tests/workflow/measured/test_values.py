@@ -59,9 +59,7 @@ DISC: dict[str, Any] = {"material": "steel", "profile": "disc", "force": 1.0, "t
         ("layer_factor", {**DISC, "width": 4e-3}, 4.35324, 6e-6),
     ],
 )
-def test_values_are_those_of_theory(
-    quantity: ModelQuantity, case: dict[str, Any], expected: float, room: float
-) -> None:
+def test_values_of_theory(quantity: ModelQuantity, case: dict[str, Any], expected: float, room: float) -> None:
     assert value(quantity, **case) == pytest.approx(expected, rel=0, abs=room)
 
 

@@ -15,15 +15,12 @@ from tests import programs
 from tests.programs import PATIENCE
 
 
-def needs_browser(test: Callable[..., None]) -> Callable[..., None]:
-    """Mark a test that opens a page."""
-    return pytest.mark.slow(pytest.mark.needs("chromium")(test))  # type: ignore[no-any-return]
+def needs(program: str) -> Callable[[Callable[..., None]], Any]:
+    """Mark for slow tests that open a page in Chromium or run a script in Node."""
+    return lambda test: pytest.mark.slow(pytest.mark.needs(program)(test))
 
 
-def needs_node(test: Callable[..., None]) -> Callable[..., None]:
-    """Mark a test that runs a script without a page."""
-    return pytest.mark.slow(pytest.mark.needs("node")(test))  # type: ignore[no-any-return]
-
+needs_browser, needs_node = needs("chromium"), needs("node")
 
 #: Collects whatever a script complains about; `report` leaves the data of a probe in the page.
 ERRORS = """
@@ -48,9 +45,17 @@ def axe() -> str:
 
 def opened(text: str, folder: Path, width: int, probe: str) -> dict[str, Any]:
     """Return the data that a probe finds in a page of some width, in a headless Chromium."""
+    file = folder / "probe.html"
     page = text.replace("<head>", f"<head>{ERRORS}", 1).replace("</body>", f"{probe}</body>")
-    seen = _probed(page, folder, f"--window-size={width},900", "--virtual-time-budget=20000")
-    assert isinstance(seen, dict)
+    file.write_text(page, encoding="utf-8")
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+    flags += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
+    flags += [f"--window-size={width},900", "--virtual-time-budget=20000", "--dump-dom"]
+    command = [programs.path("chromium"), *flags, file.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    found = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert found, done.stdout[:2000]
+    seen: dict[str, Any] = json.loads(html.unescape(found[1]))
     return seen
 
 
@@ -58,25 +63,6 @@ def in_node(script: str, expression: str, folder: Path) -> Any:
     """Return an expression's value after a script in Node, as plain data."""
     file = folder / "probe.js"
     file.write_text(f"{script}\nconsole.log(JSON.stringify({expression}));", encoding="utf-8")
-    done = subprocess.run(
-        [programs.path("node"), str(file)], capture_output=True, text=True, timeout=PATIENCE, check=True
-    )
+    command = [programs.path("node"), str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
     return json.loads(done.stdout)
-
-
-def _probed(page: str, folder: Path, *flags: str) -> Any:
-    """Return the data that a page writes into its probe."""
-    file = folder / "probe.html"
-    file.write_text(page, encoding="utf-8")
-    quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
-    quiet += ["--disable-quic", "--disable-component-update", "--disable-sync", f"--user-data-dir={folder / 'profile'}"]
-    done = subprocess.run(
-        [programs.path("chromium"), *quiet, *flags, "--dump-dom", file.as_uri()],
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=True,
-    )
-    probe = re.search(r'<pre id="probe">(.*?)</pre>', done.stdout, re.DOTALL)
-    assert probe, done.stdout[:2000]
-    return json.loads(html.unescape(probe[1]))

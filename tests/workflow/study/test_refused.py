@@ -3,22 +3,18 @@
 import pytest
 
 from tests.studies import edited, refusal
-from tests.workflow.dataset.test_batches import FILM as CROSSED
-from tests.workflow.design.test_tolerances import STUDY as TOLERATED
-from tests.workflow.device.test_pressed import STUDY as PRESSED
+from tests.workflow.dataset.test_levels import FILM as CROSSED
+from tests.workflow.dataset.test_similar import GROUPED
+from tests.workflow.design.test_verdict import STUDY as TOLERATED
+from tests.workflow.device.test_signal import STUDY as PRESSED
+from tests.workflow.report.test_figures import ROUGH
+from tests.workflow.study.test_bodies import AIR_BALL, AIR_FILM, BALL, LAYERS
 from tests.workflow.study.test_films import FILM
-from tests.workflow.study.test_grouped import STUDY as GROUPED
-from tests.workflow.study.test_layered import LAYERS
 from tests.workflow.study.test_model import POINT
-from tests.workflow.study.test_points import BALL
-from tests.workflow.study.test_surroundings import BALL as BALL_IN_AIR
-from tests.workflow.study.test_surroundings import GROUPS as FILM_IN_AIR
 from workflow.run.provenance import ROOT
 
-BOX, CATALOGUE, TAXEL, MEASURED = (
-    (ROOT / f"config/{name}.yaml").read_text(encoding="utf-8")
-    for name in ("quickstart", "catalogue", "taxel", "measured")
-)
+NAMES = ("quickstart", "catalogue", "taxel", "measured")
+BOX, CATALOGUE, TAXEL, MEASURED = ((ROOT / f"config/{name}.yaml").read_text(encoding="utf-8") for name in NAMES)
 BOX = edited(BOX, "<= tensile_strength]", "<= 50 MPa, peak_pressure <= 500 MPa]")
 LARGE, FEW = edited(BOX, "levels: 26", "levels: 1000"), edited(BOX, "calibration: 10000", "calibration: 99")
 AXES = ["volume_fraction", "friction", "radius", "load", "charge", "magnetic_charge", "speed", "width", "slope"]
@@ -56,8 +52,7 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (BOX, "<= 50 MPa", "<= 50 mm", "design.sensor: 'trailing_tension <= 50 mm': unit mismatch: the limit is in mm, "),
     (BOX, "abs(volt", "load + (volt", "design.sensor: 'load + (voltage_per_load)': 'N m-1' and 'V m N-1' cannot"),
     (BOX, "maximise: abs(voltage_per_load)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
-    (BOX, "[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,",
-     "design.sensor: subject_to: depth <="),
+    (BOX, "[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,", "design.sensor: subject_to: depth <"),
     (BOX, "over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {high: 1.0}}",
      "design: sensor: radius = 1 is not within 0.005 to 0.2"),
     (BOX, "[0.1, 0.4]", "[0.4, 0.1]", "design.sensor: worst_case: friction: 0.4 must not be above 0.1"),
@@ -70,8 +65,7 @@ REFUSED: list[tuple[str, str, str, str]] = [
      "'thickness' is a film's: a half-plane has none"),
     (BOX, "peak_pressure <=", "peak_von_mises <=", "design: sensor: 'peak_von_mises' needs dataset: peaks: true"),
     (BOX, "  fields: 24", "  outputs: [peak_von_mises]", "surrogate: outputs: 'peak_von_mises' needs dataset: peaks"),
-    (FEW, "surrogate:", "surrogate:\n  level: 0.99",
-     "surrogate: level: 0.99 is more than 0.98, all that 99 cases of validation"),
+    (FEW, "surrogate:", "surrogate:\n  level: 0.99", "level: 0.99 is more than 0.98, all that 99 cases of validation"),
     # numbers that are none of their factor, and bare ones that have probably lost their unit
     (BOX, "low: 5e-3", "low: 20 V", "radius: low: '20 V': unit mismatch: 'V' does not measure what 'm' measures"),
     (BOX, "low: 5e-3", "low: 20e mm", "radius: low: '20e mm' is not a finite number [m], nor one with its unit"),
@@ -117,13 +111,11 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (FILM, "<= 3 kV/mm", "<= breakdown_field", "breakdown_field: none is known of BaTiO3 and CoFe2O4"),
     (FILM, "nominal_field <= 3 kV/mm", "trailing_tension <= base_tensile_strength",
      "base_tensile_strength: a rigid base has none"),
-    (FILM, "voltage_per_load)", "charge_per_force * force)",
-     "device: electrode_length: missing; must be a number with a unit"),
+    (FILM, "voltage_per_load)", "charge_per_force * force)", "electrode_length: missing; must be a number with a unit"),
     (edited(FILM, "voltage_per_load", "signal_voltage"), "design:", "device: {electrode_length: 10 mm}\ndesign:",
      "device: amplifier: input_capacitance: missing; must be a number with a unit"),
     # heat
-    (TAXEL, "base: FR4", "base: rigid",
-     "have no 'heat_time'; heat: not known for the base 'rigid': conductivity; name"),
+    (TAXEL, "base: FR4", "base: rigid", "have no 'heat_time'; heat: not known for the base 'rigid': conductivity;"),
     (TAXEL, "charge_noise: 1 fC", "feedback_resistance: 1 TOhm\n    charge_noise: 1 fC",
      "device: amplifier: feedback_resistance: 1 TOhm is beside one of the factors; give one of them"),
     # points
@@ -135,36 +127,31 @@ REFUSED: list[tuple[str, str, str, str]] = [
      "categories: profile: sphere, cylinder: lines and points need a study each"),
     (POINTS, "[1, 2]}", "[1, 2]}, film: {thickness: 1e-4, base: steel}",
      "effects: film: is not drawn of a point; a film stands in the baseline"),
+    (ROUGH, "rough_sphere", "ellipsoid, radius_x: 1 mm, radius_y: 2 mm", "realisations: only a rough_sphere"),
+    (ROUGH, "realisations: 2", "interior: {}", "interior: of a contact in space"),
     # groups
     # equally strong pressing does not fix the vacuum in the gap
-    (FILM_IN_AIR, "  radius / thickness: {levels: 3}\n", "", "make radius / thickness a group"),
-    (BALL_IN_AIR, "  radius / thickness: {levels: 2}\n", "", "make radius / thickness a group"),
+    (AIR_FILM, "  radius / thickness: {levels: 3}\n", "", "make radius / thickness a group"),
+    (AIR_BALL, "  radius / thickness: {levels: 2}\n", "", "make radius / thickness a group"),
     (GROUPED, "load * radius / datum^2", "load / radius", "depth, voltage, blocked_load_per_volt depend on the datum"),
     (GROUPED, "charge / load", "charge^2 / load^2", "groups: the sign of charge is in no group"),
     (GROUPED, "charge / load", "radius * charge", "groups: radius = -0.4 in a corner of their ranges; must be a"),
     (GROUPED, "charge / load", "volume_fraction * load / radius", "'volume_fraction' is a group of its own"),
-    (GROUPED, "datum: 0.5", "datum: 0.5, punch: steel",
-     "groups: depth, blocked_load_per_volt depend on an elastic punch's radius"),
+    (GROUPED, "0.5}", "0.5, punch: steel}", "groups: depth, blocked_load_per_volt depend on an elastic punch's radius"),
     (GROUPED, "volume_fraction: {levels: 8, scale: logit}", "volume_fraction * charge / load: {levels: 3}",
      "charge = 0 is in the box, where volume_fraction * charge / load, charge / load"),
-    (GROUPED, "charge / load", "charge / load^2",
-     "groups: radius x 0.316 and load x 3.16 and charge x 10 is in no group, and is"),
+    (GROUPED, "charge / load", "charge / load^2", "radius x 0.316 and load x 3.16 and charge x 10 is in no group, and"),
     (GROUPED, "charge / load", "charge + load", "groups: 'charge + load': 'C m-1' and 'N m-1' cannot be added"),
     (GROUPED, "charge / load", "voltage / load", "groups: 'voltage / load': 'voltage' is no factor"),
     (GROUPED, "load * radius / datum^2: {levels: 5}", "load * radius: {levels: 5, scale: logit}", "between 0 and 1"),
     (GROUPED, "charge / load: {levels: 3}", "load / datum: {levels: 3}", "begins with 'load' as another group does"),
-    (GROUPED, "low: 0.02,", "levels: 4, low: 0.02,",
-     "factors: radius: levels: of a study with groups they stand in groups"),
+    (GROUPED, "low: 0.02,", "levels: 4, low: 0.02,", "radius: levels: of a study with groups they stand in groups"),
     # bodies
-    (LAYERS, "  copper_thickness: {", "  zinc_thickness: {",
-     "body.1: thickness: 'copper_thickness' is neither in factors"),
+    (LAYERS, "copper_thickness: {", "zinc_thickness: {", "body.1: thickness: 'copper_thickness' is neither in factors"),
     (LAYERS, "radius: 0.05", "radius: 0.05, x_thickness: 1e-3", "fixed: x_thickness: no layer of the body names it"),
-    (LAYERS, "categories: {base: [rigid, silicon]}\n", "",
-     "base: a body needs a base, or else base_modulus and base_poi"),
-    (LAYERS, "volume_fraction: volume_fraction, ", "",
-     "body.0: volume_fraction: missing; must be a finite number >= 0"),
-    (LAYERS, "s: copper_thickness", "s: thickness",
-     "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
+    (LAYERS, "categories: {base: [rigid, silicon]}\n", "", "base: a body needs a base, or else base_modulus and base"),
+    (LAYERS, "volume_fraction: volume_fraction,", "", "body.0: volume_fraction: missing; must be a finite number >= 0"),
+    (LAYERS, "copper_thickness}", "thickness}", "body.1: thickness: 'thickness' must be <word>_thickness, or a number"),
     # presses in time
     (PRESSED, "signal: {design: touch,", "signal: {study: ball, design: touch,",
      "signal: design: 'touch' is a name of this study's designs"),
@@ -173,20 +160,16 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (PRESSED, "hold: 1 s", "hold: 0", "0 is not a finite number > 0 [s]"),
     (PRESSED, "device: {", "# {", "signal: needs device: amplifier"),
     # parts of a factorial
-    (CROSSED, "0.55, levels: 3}", "0.55}",
-     "factors: volume_fraction: levels are missing; surrogate: method: cross needs"),
+    (CROSSED, "0.55, levels: 3}", "0.55}", "factors: volume_fraction: levels are missing; surrogate: method: cross"),
     (CROSSED, "outputs: [v", "fields: 8, outputs: [v", "surrogate: method: cross learns no fields"),
     (CROSSED, "slabs: 2", "slabs: 2, budget: 5", "factors: 6 cases at a place are more than dataset: budget: 5"),
-    (CROSSED, "slabs: 2", "slabs: 2, peaks: true",
-     "dataset: peaks: surrogate: method: cross learns no largest stresses"),
+    (CROSSED, "slabs: 2", "slabs: 2, peaks: true", "peaks: surrogate: method: cross learns no largest stresses"),
     (CROSSED, "method: cross", "method: kross", "surrogate.method: 'kross': input should be"),
     # measured rows
-    (MEASURED, "value: 13.0", "value: -13.0",
-     "measurements.lithium_niobate_tip.value: -13.0: input should be greater than 0"),
+    (MEASURED, "value: 13.0", "value: -13.0", "lithium_niobate_tip.value: -13.0: input should be greater than 0"),
     (MEASURED, "unit: pC/N", "unit: nC/N", "measurements.lithium_niobate_tip.unit: 'nC/N': "),
     (MEASURED, "unit: pC/N", "units: pC/N", "measurements.lithium_niobate_tip.units: unknown key"),
-    (MEASURED, "{material: LiNbO3, profile", "{profile",
-     "measurements.lithium_niobate_tip.model.0: case: material: missing"),
+    (MEASURED, "{material: LiNbO3, profile", "{profile", "lithium_niobate_tip.model.0: case: material: missing"),
     (MEASURED, "composite: AlScN, scandium_fraction: 0.1", "composite: fibrous, volume_fraction: 0.5",
      "measurements.scandium_nitride_diffraction.model.0: case: composite: 'fibrous' is not one of AlScN"),
     (MEASURED, "collector: 2, patch_size: 1.0e-5", "collector: 2",

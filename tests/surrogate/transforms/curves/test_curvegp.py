@@ -17,6 +17,7 @@ from surrogate.transforms.curves.landscape import Landscape
 from surrogate.transforms.groups import Scaling
 from surrogate.use import validation
 from surrogate.use.sensitivity import sobol
+from tests.surrogate import functions
 from tests.surrogate.curved import INPUTS, OUTPUTS, data, fields, fitted, fitted_over_groups
 
 Array = NDArray[np.float64]
@@ -45,10 +46,9 @@ def truth(a: Array, b: Array) -> tuple[Array, Array]:
 
 @pytest.fixture(scope="module")
 def cases() -> xr.Dataset:
-    t = np.random.default_rng(1).uniform(-1, 1, (2, 160))
-    a, b = (xr.DataArray(input_.from_unit(row), dims="case") for input_, row in zip(INPUTS, t, strict=True))
-    top, place = truth(a.values, b.values)
-    return data(a, b).assign(a=a, b=b, top=("case", top), place=("case", place))
+    x = functions.drawn(INPUTS, 160, seed=1)
+    top, place = truth(x.a.values, x.b.values)
+    return data(x.a, x.b).assign(a=x.a, b=x.b, top=("case", top), place=("case", place))
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,6 @@ def test_effects_are_those_of_the_inputs(model: CurveGP) -> None:
 
 @pytest.mark.parametrize("seed", range(4))
 def test_the_search_finds_the_highest_of_many_hills(seed: int) -> None:
-    """Random smooth curves in one coordinate against dense sampling of their polynomials."""
     random, panels = np.random.default_rng(seed), Panels((24, 24, 24))
     scores = random.normal(size=(6, 40)) / np.arange(1, 7)[:, None]
     x = np.concatenate([gauss_points(24) + 2 * k for k in (-1, 0, 1)])
