@@ -379,14 +379,9 @@ def _spectrum(cells: Array, pair: tuple[int, int]) -> Array | ComplexArray:
 
 def _wrapped(cells: Array, shape: tuple[int, int], padded: tuple[int, int]) -> Array:
     """Influence at offsets -(n - 1)..n - 1 in the order of a periodic grid; (padded)."""
-    (nx, ny), result = shape, np.zeros(padded)
-    rows, columns = _offsets(nx), _offsets(ny)
-    result[np.ix_(rows, columns)] = cells[np.ix_(rows + nx, columns + ny)]
+    result = np.zeros(padded)
+    result[np.ix_(*(np.arange(-(n - 1), n) for n in shape))] = cells[1:-1, 1:-1]
     return result
-
-
-def _offsets(n: int) -> Indices:
-    return np.arange(-(n - 1), n)
 
 
 def _nearest_periodic(cells: Array, shape: tuple[int, int]) -> Array:
