@@ -251,9 +251,9 @@ class _Problem:
 
     def _located(self, error: float) -> tuple[_Window, State, Grid]:
         """Window that the contact fills well, with the contact on a coarse grid."""
-        window, grid, state = self._first_window(), None, None
+        window = self._first_window()
+        grid, state = self._moved(None, None, window, _COARSE)
         for _ in range(_WINDOWS):
-            grid, state = self._moved(grid, state, window, _COARSE)
             system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth, levels=0)
             state, _ = converged(system, state, max(error, 1e-3))
             low, high, touches = self._extent(grid, state)
@@ -269,10 +269,9 @@ class _Problem:
             middle, half = np.add(high, low) / 2, lengths / 2
             half = np.where(touches, 2 * half, np.maximum(half, 1.5 * np.array(grid.size)))
             window = self._around(middle, half)
+            grid, state = self._moved(grid, state, window, _COARSE)
         else:
             raise SurfaceError("contact: leaves every window that was tried")
-        assert grid is not None
-        assert state is not None
         self._require_resolved(low, high)
         if not np.any(touches):
             window = self._around(np.add(high, low) / 2, lengths / 2)

@@ -610,11 +610,9 @@ def gmres(
 def converged(system: System, state: State, tolerance: float) -> tuple[State, Linearised]:
     """Contact from a start, to a residual over the depth, by Newton's iteration on the cells in contact."""
     cells, fine = system.height.size, system.fine
-    pressure, pressed = (
-        np.pad(state.pressure[:fine], (0, cells - fine)),
-        np.pad(state.pressed[:fine], (0, cells - fine)),
-    )
-    charge = state.charge if state.charge.size == cells else np.pad(state.charge[:fine], (0, cells - fine))
+    coarser = (0, cells - fine)
+    pressure, pressed = np.pad(state.pressure[:fine], coarser), np.pad(state.pressed[:fine], coarser)
+    charge = state.charge if state.charge.size == cells else np.pad(state.charge[:fine], coarser)
     state = replace(state, pressure=pressure, charge=charge, pressed=pressed)
     if system.loading.depth is not None:
         state = replace(state, depth=system.loading.depth)
