@@ -149,7 +149,7 @@ def elements(case: Case, half: float, order: int) -> FilmContact:
     elastic = isotropic(case["punch_modulus"], case["punch_poisson"]) if "punch_modulus" in case else None
     friction, charge, magnetic_charge = (case.get(name, 0.0) for name in ("friction", "charge", "magnetic_charge"))
     punch = Punch(case["radius"], friction, charge, magnetic_charge, tuple(conducted), elastic)
-    return FilmContact(layers, base, punch, half, order, float(case.get("surroundings") == "air"))
+    return FilmContact(layers, base, punch, half, order, case.get("surroundings") == "air")
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +163,7 @@ class Compared:
     @property
     def compared(self) -> Mapping[str, tuple[str, float]]:
         """Description of each compared quantity, and its tolerance at order 10."""
-        if not self.contact.permittivity:
+        if not self.contact.air:
             return COMPARED
         return COMPARED_IN_AIR if self.contact.punch.elastic else COMPARED_IN_AIR | FIELDS_IN_AIR
 

@@ -154,7 +154,7 @@ def _hayes() -> float:
     return off_each(stiffness, [hayes(_POISSON, ratio) for ratio in ratios])
 
 
-def hayes(poisson: float, ratio: float, points: int = 80) -> float:
+def hayes(poisson: float, ratio: float) -> float:
     """Return the stiffness of a disc of `ratio` layer thicknesses on a bonded elastic layer over that on a half-space.
 
     f(x) + (1/pi) int_0^1 f(s) [K(x + s) + K(x - s)] ds = 1, K(u) = ratio int_0^inf (M(k) - 1) cos(ratio k u) dk with M
@@ -166,11 +166,11 @@ def hayes(poisson: float, ratio: float, points: int = 80) -> float:
     top = (3 - 4 * poisson) * (1 - e**2) / 2 - 2 * k * e
     bottom = (3 - 4 * poisson) * (1 + e**2) / 2 + (2 * k**2 + 5 - 12 * poisson + 8 * poisson**2) * e
     missing = rule * (top / bottom - 1)
-    nodes, weights = np.polynomial.legendre.leggauss(points)
+    nodes, weights = np.polynomial.legendre.leggauss(80)
     x, weights = (1 + nodes) / 2, weights / 2
     cosines = np.cos(ratio * np.multiply.outer(x, k))
     kernel = 2 * ratio * np.einsum("xk,k,sk->xs", cosines, missing, cosines)  # cos(x+s) + cos(x-s) = 2 cos x cos s
-    f = np.linalg.solve(np.eye(points) + kernel * weights / np.pi, np.ones(points))
+    f = np.linalg.solve(np.eye(len(x)) + kernel * weights / np.pi, np.ones(len(x)))
     return float(weights @ f)
 
 
@@ -249,7 +249,7 @@ def by_elements(case: Case, order: int) -> tuple[xr.Dataset, PointContact]:
     layers = [Layer(constants(material), case["thickness"])]
     radius = float(solved["contact_radius"])
     below = None if case["base"] == "rigid" else constants(solver.find(case["base"]))
-    return solved, PointContact(layers, below, case["radius"], radius, case["total_charge"], 0.0, order)
+    return solved, PointContact(layers, below, case["radius"], radius, case["total_charge"], False, order)
 
 
 def elements(base: str, order: int) -> float:
