@@ -4,8 +4,7 @@ import numpy as np
 import xarray as xr
 
 import solver
-from solver.names import POINT_QUANTITIES
-from verification.cases import Case, constants
+from verification.cases import Case, constants, own_base_error
 from verification.findings import Curve, Findings, Sizes, check, off, off_each
 from verification.oracles import point
 from verification.oracles.fem_film import Layer
@@ -136,14 +135,7 @@ def _precise(case: Case, exponent: float, coefficient: float) -> float:
 
 def _own_base() -> float:
     """Largest relative difference, sphere and disc, both fields."""
-    bonded = {"thickness": 1e-4, "base": "BaTiO3", "interface_electric": "bonded", "interface_magnetic": "bonded"}
-    worst = 0.0
-    for punch in (_BALL, _DISC):
-        case: Case = {"material": "BaTiO3", "force": 10.0} | punch
-        film, alone = solver.solve(case | bonded | _INSULATED), solver.solve(case)
-        names = [name for name in POINT_QUANTITIES if name in alone and float(np.abs(alone[name])) > 0]
-        worst = max(worst, off_each([film[name] for name in names], [alone[name] for name in names]))
-    return worst
+    return max(own_base_error({"material": "BaTiO3", "force": 10.0} | punch, 1e-4) for punch in (_BALL, _DISC))
 
 
 def _hayes() -> float:
