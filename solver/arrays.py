@@ -86,9 +86,20 @@ def column(values: Array) -> Array:
     return values[..., None, None]
 
 
+def outer(values: Array) -> Array:
+    """Products of all pairs of values (..., n); (..., n, n)."""
+    return values[..., :, None] * values[..., None, :]
+
+
 def stack(*values: NDArray[Scalar]) -> NDArray[Scalar]:
     """Stack values that broadcast against each other along a new last axis."""
     return np.stack(np.broadcast_arrays(*values), -1)
+
+
+def matrix_of(rows: Sequence[Sequence[Array]]) -> Array:
+    """Stack rows of entries that broadcast against each other; (..., row, column)."""
+    flat = stack(*(entry for row in rows for entry in row))
+    return flat.reshape(*flat.shape[:-1], len(rows), len(rows[0]))
 
 
 def components(vector: Array) -> list[Array]:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, column, distinct_rows
+from solver.arrays import Array, column, distinct_rows, outer
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import reading_of
@@ -208,7 +208,7 @@ class OnHalfSpace(OnPoints):
         half, punch, conducts = self._half, punch_of(self.cases), self.cases.conducts
         units = half.scale[..., 1:]
         N = half.compliance + column(punch.compliance) * np.diag([1.0, 0.0, 0.0])
-        N = conducted(N / (units[..., :, None] * units[..., None, :]), conducts)
+        N = conducted(N / outer(units), conducts)
         k = contact_coupling(
             half.friction_coupling / (half.scale[..., :1] * units), half.scale, punch.coupling, conducts
         )

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, outer
 from solver.halfplane.sliding import Sliding
 from solver.line.basis import Basis
 from solver.line.kernel import Kernel
@@ -46,9 +46,8 @@ class Coefficients:
     def of(cls, sliding: Sliding, scale: Array) -> "Coefficients":
         """Return the coefficients of a sliding without case axes, in the units ``scale`` (4,) of a stack."""
         half, units = sliding.halfplane, scale[1:]
-        scales = units[:, None] * units
         fields = tuple(int(f) for f in np.flatnonzero(sliding.conducts))
-        N = half.compliance / scales
+        N = half.compliance / outer(units)
         conducted = np.array(fields, dtype=int) + 1
         lam = float(sliding.lam) / units[0] ** 2
         kap = float(sliding.kap) / units[0] ** 2

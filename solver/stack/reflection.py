@@ -59,10 +59,8 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
 
 def _difference(compliance: Array, round_trip: Array) -> Array:
     """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
-    transposed = np.swapaxes(round_trip, -1, -2)
-    solution = np.swapaxes(np.linalg.solve(np.eye(4) + transposed, transposed), -1, -2)
-    Y = -(compliance + FLIP * compliance) @ solution
-    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
+    Y = -(compliance + FLIP * compliance) @ np.linalg.solve(np.eye(4) + round_trip.mT, round_trip.mT).mT
+    return np.asarray(Y + Y.mT) / 2
 
 
 def _transfer(medium: Medium, s: Array) -> Array:
@@ -90,8 +88,8 @@ def _above(transfer: Array, Y: Array) -> Array:
 
 def _quotient(displacement: Array, traction: Array) -> Array:
     """Symmetric Y of k u = Y t from both as functions of the same unknowns; (k, 4, 4)."""
-    Y = np.swapaxes(np.linalg.solve(np.swapaxes(traction, -1, -2), np.swapaxes(displacement, -1, -2)), -1, -2)
-    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
+    Y = np.linalg.solve(traction.mT, displacement.mT).mT
+    return np.asarray(Y + Y.mT) / 2
 
 
 def held(Y: Array, components: tuple[int, ...]) -> Array:

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, outer
 from solver.material.constants import MaterialError
 
 NORMAL, PHI = 2, 3  # indices of (u_z, s_zz) and of (phi, D_z)
@@ -113,7 +113,7 @@ class SurfaceBody:
         """Number of directions over a full turn that resolve every harmonic of Y."""
         count = _DIRECTIONS[-1]
         k = np.array([np.inf]) if not self.layers else np.append(np.geomspace(0.03, 3, 5) / self.thickness, np.inf)
-        Y = self.multiplier(k, 2 * np.pi * np.arange(count) / count) / (self.scale[:, None] * self.scale)
+        Y = self.multiplier(k, 2 * np.pi * np.arange(count) / count) / outer(self.scale)
         size = np.max(np.abs(np.fft.fft(Y, axis=1)), axis=(0, 2, 3))
         size[1:] = np.maximum(size[1:], size[:0:-1])
         highest = int(np.max(np.flatnonzero(size[: count // 2] > _RESOLVED * np.max(size))))
@@ -185,8 +185,8 @@ def _modes(E: Array, theta: Array) -> tuple[ComplexArray, ComplexArray, ComplexA
     Q = np.einsum("ti,iJKl,tl->tJK", direction, E, direction)
     R = np.einsum("ti,iJK->tJK", direction, E[..., 2])
     inverse = np.linalg.inv(E[2, :, :, 2])
-    upper = np.concatenate([-inverse @ R.swapaxes(-1, -2), np.broadcast_to(inverse, Q.shape)], -1)
-    lower = np.concatenate([R @ inverse @ R.swapaxes(-1, -2) - Q, -R @ inverse], -1)
+    upper = np.concatenate([-inverse @ R.mT, np.broadcast_to(inverse, Q.shape)], -1)
+    lower = np.concatenate([R @ inverse @ R.mT - Q, -R @ inverse], -1)
     roots, vectors = np.linalg.eig(np.concatenate([upper, lower], -2))
     order = np.argsort(roots.imag, axis=-1)
     roots = np.take_along_axis(roots, order, -1).astype(np.complex128)
