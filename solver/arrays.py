@@ -81,14 +81,30 @@ def selected(record: Record, cases: slice | Indices, *names: str) -> Record:
     return replace(record, **{name: values[cases] for name, values in arrays.items() if values is not None})
 
 
+def by_name(names: Sequence[str], values: Array) -> dict[str, Array]:
+    """Split fields (case, field, ...) into one array (case, ...) for each name."""
+    return dict(zip(names, np.moveaxis(values, 1, 0), strict=True))
+
+
 def column(values: Array) -> Array:
     """Reshape values (...) to (..., 1, 1), to multiply matrices."""
     return values[..., None, None]
 
 
+def outer(values: Array) -> Array:
+    """Products of all pairs of values (..., n); (..., n, n)."""
+    return values[..., :, None] * values[..., None, :]
+
+
 def stack(*values: NDArray[Scalar]) -> NDArray[Scalar]:
     """Stack values that broadcast against each other along a new last axis."""
     return np.stack(np.broadcast_arrays(*values), -1)
+
+
+def matrix_of(rows: Sequence[Sequence[Array]]) -> Array:
+    """Stack rows of entries that broadcast against each other; (..., row, column)."""
+    flat = stack(*(entry for row in rows for entry in row))
+    return flat.reshape(*flat.shape[:-1], len(rows), len(rows[0]))
 
 
 def components(vector: Array) -> list[Array]:

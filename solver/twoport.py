@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, outer
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +90,5 @@ class Stiffness:
 
 def _inverse(matrix: Array) -> Array:
     """Invert a matrix, scaled to the order of one since units differ by 1e20; (..., n, n)."""
-    scale = 1 / np.sqrt(np.abs(np.diagonal(matrix, axis1=-2, axis2=-1)))
-    scales = scale[..., :, None] * scale[..., None, :]
+    scales = outer(1 / np.sqrt(np.abs(np.linalg.diagonal(matrix))))
     return np.asarray(np.linalg.inv(matrix * scales) * scales)

@@ -6,15 +6,16 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 import solver
-from verification.cases import Array, Case, constants, half_length
+from verification.cases import Case, constants, half_length
 from verification.findings import Check, Curve, Findings, Sizes, check, off
 from verification.oracles.fem_film import FilmContact, Layer, Punch
 from verification.oracles.sample_materials import isotropic
 from verification.oracles.spectral import ELECTRIC, FIELDS, MAGNETIC
 
-Answers = dict[str, Array]
+Pairs = list[tuple[ArrayLike, ArrayLike]]  # of computed and expected values
 PUNCH: Case = {"radius": 0.05, "load": 1e5, "surroundings": "insulated"}
 COMPOSITE: Case = {**PUNCH, "volume_fraction": 0.5, "thickness": 2e-4, "friction": 0.3}
 STACK = solver.Stack([solver.Layer(solver.find("BaTiO3"), 1e-4), solver.Layer(solver.find("CoFe2O4"), 1.5e-4)], "rigid")
@@ -57,8 +58,7 @@ EXTREMES = ("interface_shear", "interface_tension")
 X, BESIDE = np.array([-0.9, -0.5, 0.0, 0.5, 0.9]), np.array([-1.5, -1.2, 1.2, 1.5])
 WHERE = np.sort(np.concatenate([X, BESIDE, [-1.0, 1.0]]))
 _IN_AIR = 1.02, 5.0  # abs((x - c)/h) beside the contact, between which potentials are compared
-_BY_UNIT = {"stress": FIELDS[:3], "electric displacement": FIELDS[3:5], "magnetic induction": FIELDS[5:]}
-_ENDS = ("trailing", "leading")
+_BY_UNIT = FIELDS[:3], FIELDS[3:5], FIELDS[5:]  # stress, electric displacement and magnetic induction
 _ABOVE = 1 - 1e-9  # of the depth of an interface: its upper side
 #: Compared quantities, and the tolerance at order 10.
 COMPARED = {
@@ -149,12 +149,12 @@ def elements(case: Case, half: float, order: int) -> FilmContact:
     elastic = isotropic(case["punch_modulus"], case["punch_poisson"]) if "punch_modulus" in case else None
     friction, charge, magnetic_charge = (case.get(name, 0.0) for name in ("friction", "charge", "magnetic_charge"))
     punch = Punch(case["radius"], friction, charge, magnetic_charge, tuple(conducted), elastic)
-    return FilmContact(layers, base, punch, half, order, float(case.get("surroundings") == "air"))
+    return FilmContact(layers, base, punch, half, order, case.get("surroundings") == "air")
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A case by both methods; each comparison returns the elements' and the solver's values."""
+    """A case by both methods; each comparison returns pairs of the elements' and the solver's values."""
 
     case: Case
     solution: xr.Dataset  # Quantities of the solver
@@ -163,14 +163,13 @@ class Compared:
     @property
     def compared(self) -> Mapping[str, tuple[str, float]]:
         """Description of each compared quantity, and its tolerance at order 10."""
-        if not self.contact.permittivity:
+        if not self.contact.air:
             return COMPARED
         return COMPARED_IN_AIR if self.contact.punch.elastic else COMPARED_IN_AIR | FIELDS_IN_AIR
 
     def error(self, what: str) -> float:
         """Return the largest error of a compared quantity."""
-        computed, expected = getattr(self, what)
-        return max(off(computed[name], value) for name, value in expected.items())
+        return max(off(computed, expected) for computed, expected in getattr(self, what))
 
     @cached_property
     def contact(self) -> FilmContact:
@@ -183,55 +182,58 @@ class Compared:
         return solver.solve(self.case | {"datum": self.contact.datum}, peaks=EXTREMES)
 
     @property
-    def load(self) -> tuple[Answers, Answers]:
+    def load(self) -> Pairs:
         """Load."""
-        return {"load": np.array(self.contact.load)}, {"load": np.array(self.case["load"])}
+        return [(self.contact.load, self.case["load"])]
 
     @property
-    def ends(self) -> tuple[Answers, Answers]:
+    def ends(self) -> Pairs:
         """a and b."""
         ends = self.contact.half_length + self.contact.centre * np.array([1, -1])
-        return {"ends": ends}, {"ends": np.array([self.quantities[f"contact_{end}"] for end in _ENDS])}
+        return [(ends, self._at_ends("contact"))]
 
     @property
-    def centre(self) -> tuple[Answers, Answers]:
+    def centre(self) -> Pairs:
         """Centre of the contact."""
-        return {"centre": np.array(self.contact.centre)}, {"centre": self.solution["contact_offset"].values}
+        return [(self.contact.centre, self.solution["contact_offset"])]
 
     @property
-    def voltage(self) -> tuple[Answers, Answers]:
+    def voltage(self) -> Pairs:
         """Voltage of the punch."""
-        return {"voltage": np.array(self.contact.potential(ELECTRIC))}, {"voltage": self.solution["voltage"].values}
+        return [(self.contact.potential(ELECTRIC), self.solution["voltage"])]
 
     @property
-    def response(self) -> tuple[Answers, Answers]:
+    def response(self) -> Pairs:
         """Depth and potentials; psi over an insulated base has another reference and is left out."""
-        computed = {"depth": np.array(self.contact.depth)}
-        for name, number in self._potentials.items():
-            if (name, self.case.get("interface_magnetic")) != ("magnetic_potential", "insulated"):
-                computed[name] = np.array(self.contact.potential(number))
-        return computed, {name: self.quantities[name].values for name in computed}
+        potentials = self._potentials
+        if self.case.get("interface_magnetic") == "insulated":
+            potentials.pop("magnetic_potential", None)
+        pairs: Pairs = [(self.contact.potential(number), self.quantities[name]) for name, number in potentials.items()]
+        return [(self.contact.depth, self.quantities["depth"]), *pairs]
 
     @property
-    def edges(self) -> tuple[Answers, Answers]:
+    def edges(self) -> Pairs:
         """Edge intensities."""
         names = {ELECTRIC: "electric_edge_intensity", MAGNETIC: "magnetic_edge_intensity"}
-        computed = {names[k]: np.array(self.contact.edge_intensities(k)) for k in self._potentials.values()}
-        return computed, {k: np.array([self.quantities[f"{k}_{end}"] for end in _ENDS]) for k in computed}
+        return [(self.contact.edge_intensities(k), self._at_ends(names[k])) for k in self._potentials.values()]
 
     @property
-    def surface(self) -> tuple[Answers, Answers]:
+    def surface(self) -> Pairs:
         """Tractions under the punch, and the stress outside the contact."""
         below, exterior = self.contact.fields(X, 0.0), self.contact.fields(BESIDE, 0.0)
         solved, solved_exterior = solver.solve(self.case, X), solver.solve(self.case, BESIDE)
-        computed = {"contact_pressure": -below["stress_yy"], **{name: below[name] for name in FLUXES}}
-        expected = {name: solved[name].values for name in computed}
-        name = "stress_xx"
-        return computed | {name: exterior[name]}, expected | {name: solved_exterior[name].values}
+        return [
+            (-below["stress_yy"], solved["contact_pressure"]),
+            *((below[name], solved[name]) for name in FLUXES),
+            (exterior["stress_xx"], solved_exterior["stress_xx"]),
+        ]
 
     @property
-    def inside(self) -> tuple[Answers, Answers]:
-        """Fields half way down each layer, above its lower side, and in the base."""
+    def inside(self) -> Pairs:
+        """Fields half way down each layer, above its lower side, and in the base.
+
+        Fields of one unit are compared together, so that errors of small ones are relative to the large ones.
+        """
         places, top = [], 0.0
         for number, (_, thickness) in enumerate(layers_of(self.case)):
             places += [(number, top + thickness / 2), (number, (top + thickness) * _ABOVE)]
@@ -241,32 +243,32 @@ class Compared:
         rows = [self.contact.fields(WHERE, depth, layer) for layer, depth in places]
         Y = -np.array([depth for _, depth in places]) / self.contact.half_length
         solved = solver.solve_interior(self.case, WHERE, Y, fields=FIELDS)
-        computed = {name: np.array([row[name] for row in rows]) for name in FIELDS}
-        return _by_unit(computed), _by_unit({name: solved[name].values for name in FIELDS})
+        return [
+            ([[row[name] for row in rows] for name in names], [solved[name] for name in names]) for names in _BY_UNIT
+        ]
 
     @property
-    def interface(self) -> tuple[Answers, Answers]:
+    def interface(self) -> Pairs:
         """Largest shear, and largest tension or 0."""
         tractions = self.contact.interface(len(self.contact.layers) - 1)
-        computed = np.array([tractions["shear"], max(tractions["tension"], 0.0)])
-        return {"extremes": computed}, {"extremes": np.array([self.quantities[name] for name in EXTREMES])}
+        extremes = [tractions["shear"], max(tractions["tension"], 0.0)]
+        return [(extremes, [self.quantities[name] for name in EXTREMES])]
 
     @property
-    def beside(self) -> tuple[Answers, Answers]:
+    def beside(self) -> Pairs:
         """Potential of the surface outside the contact, and the voltage that its error is relative to."""
         place, phi = self.contact.exterior(ELECTRIC)
         compared = np.flatnonzero((np.abs(place) > _IN_AIR[0]) & (np.abs(place) < _IN_AIR[1]))[::5]
         inside = solver.solve_interior(self.case, place[compared], [0.0], fields=["electric_potential"])
         potentials = phi[compared], inside["electric_potential"].values[0]
         computed, expected = (np.append(values, self.contact.potential(ELECTRIC)) for values in potentials)
-        return {"potential": computed}, {"potential": expected}
+        return [(computed, expected)]
 
     @property
     def _potentials(self) -> dict[str, int]:
         """Return the numbers of the potentials that the punch makes uniform, by name."""
         return {name: number for name, number in POTENTIALS.items() if number in self.contact.punch.conducted}
 
-
-def _by_unit(fields: Answers) -> Answers:
-    """Join fields of one unit, so that errors of small ones are relative to the large ones."""
-    return {unit: np.stack([fields[name] for name in names]) for unit, names in _BY_UNIT.items()}
+    def _at_ends(self, name: str) -> list[xr.DataArray]:
+        """Return a quantity of the solver at the trailing and at the leading end."""
+        return [self.quantities[f"{name}_{end}"] for end in ("trailing", "leading")]

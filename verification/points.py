@@ -4,8 +4,7 @@ import numpy as np
 import xarray as xr
 
 import solver
-from solver.names import POINT_QUANTITIES
-from verification.cases import Case, constants
+from verification.cases import Case, constants, own_base_error
 from verification.findings import Curve, Findings, Sizes, check, off, off_each
 from verification.oracles import point
 from verification.oracles.fem_film import Layer
@@ -136,14 +135,7 @@ def _precise(case: Case, exponent: float, coefficient: float) -> float:
 
 def _own_base() -> float:
     """Largest relative difference, sphere and disc, both fields."""
-    bonded = {"thickness": 1e-4, "base": "BaTiO3", "interface_electric": "bonded", "interface_magnetic": "bonded"}
-    worst = 0.0
-    for punch in (_BALL, _DISC):
-        case: Case = {"material": "BaTiO3", "force": 10.0} | punch
-        film, alone = solver.solve(case | bonded | _INSULATED), solver.solve(case)
-        names = [name for name in POINT_QUANTITIES if name in alone and float(np.abs(alone[name])) > 0]
-        worst = max(worst, off_each([film[name] for name in names], [alone[name] for name in names]))
-    return worst
+    return max(own_base_error({"material": "BaTiO3", "force": 10.0} | punch, 1e-4) for punch in (_BALL, _DISC))
 
 
 def _hayes() -> float:
@@ -154,7 +146,7 @@ def _hayes() -> float:
     return off_each(stiffness, [hayes(_POISSON, ratio) for ratio in ratios])
 
 
-def hayes(poisson: float, ratio: float, points: int = 80) -> float:
+def hayes(poisson: float, ratio: float) -> float:
     """Return the stiffness of a disc of `ratio` layer thicknesses on a bonded elastic layer over that on a half-space.
 
     f(x) + (1/pi) int_0^1 f(s) [K(x + s) + K(x - s)] ds = 1, K(u) = ratio int_0^inf (M(k) - 1) cos(ratio k u) dk with M
@@ -166,11 +158,11 @@ def hayes(poisson: float, ratio: float, points: int = 80) -> float:
     top = (3 - 4 * poisson) * (1 - e**2) / 2 - 2 * k * e
     bottom = (3 - 4 * poisson) * (1 + e**2) / 2 + (2 * k**2 + 5 - 12 * poisson + 8 * poisson**2) * e
     missing = rule * (top / bottom - 1)
-    nodes, weights = np.polynomial.legendre.leggauss(points)
+    nodes, weights = np.polynomial.legendre.leggauss(80)
     x, weights = (1 + nodes) / 2, weights / 2
     cosines = np.cos(ratio * np.multiply.outer(x, k))
     kernel = 2 * ratio * np.einsum("xk,k,sk->xs", cosines, missing, cosines)  # cos(x+s) + cos(x-s) = 2 cos x cos s
-    f = np.linalg.solve(np.eye(points) + kernel * weights / np.pi, np.ones(points))
+    f = np.linalg.solve(np.eye(len(x)) + kernel * weights / np.pi, np.ones(len(x)))
     return float(weights @ f)
 
 
@@ -249,7 +241,7 @@ def by_elements(case: Case, order: int) -> tuple[xr.Dataset, PointContact]:
     layers = [Layer(constants(material), case["thickness"])]
     radius = float(solved["contact_radius"])
     below = None if case["base"] == "rigid" else constants(solver.find(case["base"]))
-    return solved, PointContact(layers, below, case["radius"], radius, case["total_charge"], 0.0, order)
+    return solved, PointContact(layers, below, case["radius"], radius, case["total_charge"], False, order)
 
 
 def elements(base: str, order: int) -> float:

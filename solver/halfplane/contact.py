@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, power_series
 from solver.halfplane.peakpressure import largest
 from solver.halfplane.pressing import Pressing, press
 from solver.halfplane.profile import Profile
@@ -115,7 +115,7 @@ class Contact:
 
     def edge_stress(self, edge: float) -> Array:
         """Stress sigma_xx on the free surface just outside a smooth edge X = 1 or -1 [Pa]; (...)."""
-        slope = np.polynomial.polynomial.polyval(edge, np.moveaxis(self.pressing.slope, -1, 0))
+        slope = power_series(self.pressing.slope, np.array([edge]))[..., 0]
         per_slope = self.halfplane.in_plane_stiffness * self.halfplane.tangential_compliance * self.friction
         return per_slope * self.pressure_scale * slope
 

@@ -6,7 +6,7 @@ position only, g on the case alone, and W on the position alone: large arrays ta
 
 import numpy as np
 
-from solver.arrays import Array, BoolArray, components
+from solver.arrays import Array, BoolArray, components, power_series
 from solver.halfplane.contact import Contact
 
 
@@ -75,7 +75,7 @@ def _shapes(contact: Contact, X: Array) -> tuple[BoolArray, Array, list[Array]]:
     X_in = X[inside]
     S[..., inside], S_root[..., inside] = shape.traction(X_in)
     D_root[..., inside] = shape.follower(X_in)
-    G = np.polynomial.polynomial.polyval(X_in, np.moveaxis(slope, -1, 0))
+    G = power_series(slope, X_in)
     HS[..., inside] = G - contact.angle.tan[..., None] * S[..., inside]
     HD_root[..., inside] = -S_root[..., inside]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import Array
+from solver.arrays import Array, outer
 from solver.halfplane.surface import HalfPlane
 
 #: Largest estimate without a warning: quantities derived from the tensors may lose 100 times as much.
@@ -45,8 +45,8 @@ def rounding(half: HalfPlane) -> float:
 
 def _difference(half: HalfPlane, other: HalfPlane) -> Array:
     """Largest difference of an entry relative to the diagonal entries; (...)."""
-    size = np.sqrt(np.abs(np.diagonal(half.compliance, axis1=-2, axis2=-1)))
-    compliance = np.abs(other.compliance - half.compliance) / (size[..., :, None] * size[..., None, :])
+    size = np.sqrt(np.abs(np.linalg.diagonal(half.compliance)))
+    compliance = np.abs(other.compliance - half.compliance) / outer(size)
     coupling = np.abs(other.friction_coupling - half.friction_coupling) / (size * size[..., :1])
     return np.asarray(np.maximum(np.max(compliance, (-2, -1)), np.max(coupling, -1)))
 

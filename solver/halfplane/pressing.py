@@ -10,7 +10,7 @@ from math import comb
 
 import numpy as np
 
-from solver.arrays import Array, stack
+from solver.arrays import Array, power_series, stack
 from solver.halfplane.profile import Profile
 from solver.halfplane.shape import Shape, imbalance
 from solver.halfplane.sliding import FrictionAngle
@@ -199,7 +199,7 @@ def _refuse_tension(pressing: Pressing) -> None:
     """Refuse contacts with a positive sigma_yy."""
     coefficients = pressing.shape.factor
     samples = _SAMPLES if coefficients.shape[-1] > 1 else _SAMPLES[:1]
-    factor = np.polynomial.polynomial.polyval(samples, np.moveaxis(coefficients, -1, 0))
+    factor = power_series(coefficients, samples)
     if np.any(np.max(factor, -1) > _TENSION * np.max(np.abs(factor), -1)):
         raise ContactError("contact: it would need tension between punch and surface (too much tilt or moment)")
 

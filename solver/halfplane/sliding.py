@@ -9,7 +9,7 @@ import numpy as np
 import scipy  # scipy.special, slow to import, and not every job solves
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array, BoolArray, column, dot, stack
+from solver.arrays import Array, BoolArray, column, dot, outer, stack
 from solver.halfplane.surface import HalfPlane, shared_by_cases
 
 _DIGITS = 37.0  # -log of the rounding unit
@@ -123,9 +123,9 @@ class Sliding:
     def _solve_conducted(self, right: Array) -> Array:
         """M^-1 right (..., 2) over the conducted fields, 0 for others, with M scaled to the order of one; (..., 2)."""
         M = self.halfplane.compliance[..., 1:, 1:]
-        scale = 1 / np.sqrt(np.abs(np.diagonal(M, axis1=-2, axis2=-1)))
+        scale = 1 / np.sqrt(np.abs(np.linalg.diagonal(M)))
         conducted = self.conducts[..., :, None] & self.conducts[..., None, :]
-        scaled = np.where(conducted, M * scale[..., :, None] * scale[..., None, :], np.eye(2))
+        scaled = np.where(conducted, M * outer(scale), np.eye(2))
         masked = np.where(self.conducts, scale * right, 0.0)
         return np.asarray(np.linalg.solve(scaled, masked[..., None])[..., 0] * scale)
 

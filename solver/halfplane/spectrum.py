@@ -24,7 +24,7 @@ def spectrum(halfplane: HalfPlane) -> tuple[ComplexArray, ComplexArray]:
     N = halfplane.stroh_matrix
     Pi = N[..., 4:, :4] @ halfplane.surface_impedance + N[..., 4:, 4:]
     roots, right = np.linalg.eig(Pi)
-    mirrored, left = np.linalg.eig(np.swapaxes(Pi, -1, -2))
+    mirrored, left = np.linalg.eig(Pi.mT)
     order = np.argmin(np.abs(roots[..., :, None] - mirrored[..., None, :]), -1)
     left = np.take_along_axis(left, order[..., None, :], -1)
     isolated = _isolated(roots)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array, BoolArray, outer
 from solver.halfplane.sliding import Sliding
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material, MaterialError, combined
@@ -67,16 +67,15 @@ def transonic_speed(material: Material) -> Array:
 
     cases = _flat(material, material.shape)
     scale = HalfPlane(cases).scale
-    scales = scale[..., :, None] * scale[..., None, :]
-    Q, R, T = (block * scales for block in cases.generalised_stiffness())
+    Q, R, T = (block * outer(scale) for block in cases.generalised_stiffness())
     unit = scale[..., 0] ** 2
 
     def slowest(p: Array, case: NDArray[Any]) -> Array:
         index, root = case.astype(int), p[..., None, None]
-        matrix = Q[index] + root * (R[index] + np.swapaxes(R[index], -1, -2)) + root**2 * T[index]
+        matrix = Q[index] + root * (R[index] + R[index].mT) + root**2 * T[index]
         fields = np.linalg.solve(matrix[..., 2:, 2:], matrix[..., 2:, :2])
         acoustic = matrix[..., :2, :2] - matrix[..., :2, 2:] @ fields
-        return np.asarray(np.linalg.eigvalsh((acoustic + np.swapaxes(acoustic, -1, -2)) / 2)[..., 0])
+        return np.asarray(np.linalg.eigvalsh((acoustic + acoustic.mT) / 2)[..., 0])
 
     everywhere = np.arange(unit.size)
     scan = slowest(_SLOPES + np.zeros((unit.size, 1)), everywhere[:, None] + np.zeros(_SLOPES.size, int))

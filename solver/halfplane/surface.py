@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from approximation.arrays import Indices
-from solver.arrays import Array, ComplexArray, column, dot
+from solver.arrays import Array, ComplexArray, column, dot, matrix_of, outer, stack
 from solver.material.constants import Material, MaterialError, combined
 
 _NEWTON_STEPS = 40  # quadratic convergence: ordinary materials need 6 to 8
@@ -55,27 +55,23 @@ class HalfPlane:
         return np.moveaxis(_taken(np.moveaxis(values, 0, -1), self.shared[1]), -1, 0)  # cases contiguous
 
     @cached_property
-    def inertia(self) -> Array:
-        """Inertia rho V^2 [Pa], 0 at rest, where rho may be unknown; (...)."""
-        return np.where(self.speed > 0, self.material.rho, 0.0) * self.speed**2
-
-    @cached_property
     def scale(self) -> Array:
         """Diagonal scale (..., 4) that brings every block of the stiffness to the order of one, in any base units."""
         m = self.material
-        return np.stack(np.broadcast_arrays(m.c33, m.c33, m.eps33, m.mu33), -1) ** -0.5
+        return stack(m.c33, m.c33, m.eps33, m.mu33) ** -0.5
 
     @cached_property
     def stroh_matrix(self) -> Array:
         """Scaled N = [[N1, N2], [N3, N1^T]] of the eigenproblem N [a; b] = p [a; b]; (..., 8, 8), dimensionless."""
-        scales = self._scales
+        scales = outer(self.scale)
         Q, R, T = self.material.generalised_stiffness()
-        Q, R, T = (Q - column(self.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * scales, R * scales, T * scales
+        inertia = np.where(self.speed > 0, self.material.rho, 0.0) * self.speed**2  # at rest, rho may be unknown
+        Q, R, T = (Q - column(inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * scales, R * scales, T * scales
         T_inv = np.linalg.inv(T)
-        N1 = -T_inv @ np.swapaxes(R, -1, -2)
+        N1 = -T_inv @ R.mT
         N3 = -R @ N1 - Q
         N1, T_inv = np.broadcast_to(N1, N3.shape), np.broadcast_to(T_inv, N3.shape)
-        return np.concatenate([np.concatenate([N1, T_inv], -1), np.concatenate([N3, np.swapaxes(N1, -1, -2)], -1)], -2)
+        return np.concatenate([np.concatenate([N1, T_inv], -1), np.concatenate([N3, N1.mT], -1)], -2)
 
     @cached_property
     def roots(self) -> ComplexArray:
@@ -111,7 +107,7 @@ class HalfPlane:
         X[..., _EVEN[:, None], _ODD] = (back - np.linalg.inv(forth)) / 2
         S, L = X[..., :4, :4], -X[..., 4:, :4]
         L_inv = np.linalg.inv(L)
-        return np.stack([S @ L_inv, (L_inv + np.swapaxes(L_inv, -1, -2)) / 2], -3)
+        return np.stack([S @ L_inv, (L_inv + L_inv.mT) / 2], -3)
 
     @cached_property
     def condition(self) -> Array:
@@ -126,33 +122,28 @@ class HalfPlane:
         """Impedance A B^-1 = -S L^-1 - i L^-1, scaled as the Stroh matrix is; (..., 4, 4)."""
         return np.asarray(-self._barnett_lothe[..., 0, :, :] - 1j * self._barnett_lothe[..., 1, :, :])
 
-    @property
-    def _scales(self) -> Array:
-        """Products of the scales of rows and columns; (..., 4, 4)."""
-        return self.scale[..., :, None] * self.scale[..., None, :]
-
     @shared_by_cases
     def compliance(self) -> Array:
         """N, the part of L^-1 on (u_y, phi, psi), symmetric; (..., 3, 3)."""
-        return (self._barnett_lothe[..., 1, :, :] * self._scales)[..., 1:, 1:]
+        return (self._barnett_lothe[..., 1, :, :] * outer(self.scale))[..., 1:, 1:]
 
     @shared_by_cases
     def friction_coupling(self) -> Array:
         """Friction coupling k = -(S L^-1)[(u_y, phi, psi), x]; (..., 3)."""
-        return -(self._barnett_lothe[..., 0, :, :] * self._scales)[..., 1:, 0]
+        return -(self._barnett_lothe[..., 0, :, :] * outer(self.scale))[..., 1:, 0]
 
     @shared_by_cases
     def tangential_compliance(self) -> Array:
         """Tangential compliance (L^-1)_xx [1/Pa]; (...)."""
-        return (self._barnett_lothe[..., 1, :, :] * self._scales)[..., 0, 0]
+        return (self._barnett_lothe[..., 1, :, :] * outer(self.scale))[..., 0, 0]
 
     @cached_property
     def _in_plane(self) -> tuple[Array, Array]:
         """Coefficients of theory, 5.3: c11 - h T3^-1 h (...) and h T3^-1 (..., 3)."""
         m = self.material
-        h = np.stack(np.broadcast_arrays(m.c13, m.e31, m.f31), -1)
+        h = stack(m.c13, m.e31, m.f31)
         scale = self.scale[..., 1:]
-        T3 = m.generalised_stiffness()[2][..., 1:, 1:] * scale[..., :, None] * scale[..., None, :]
+        T3 = m.generalised_stiffness()[2][..., 1:, 1:] * outer(scale)
         share = np.linalg.solve(T3, (h * scale)[..., None])[..., 0] * scale
         return m.c11 - dot(h, share), share
 
@@ -170,15 +161,14 @@ class HalfPlane:
     def transverse_shear_share(self) -> Array:
         """Surface (D_x, B_x) per sigma_xy at d(phi, psi)/dx = 0, (e15, f15) / c44; (..., 2)."""
         m = self.material
-        return np.stack(np.broadcast_arrays(m.e15 / m.c44, m.f15 / m.c44), -1)
+        return stack(m.e15 / m.c44, m.f15 / m.c44)
 
     @cached_property
     def transverse_permittivity(self) -> Array:
         """Surface (D_x, B_x) per -d(phi, psi)/dx at sigma_xy = 0 (theory, 1b and 1c); (..., 2, 2)."""
         m = self.material
         eps, g, mu = m.eps11 + m.e15**2 / m.c44, m.g11 + m.e15 * m.f15 / m.c44, m.mu11 + m.f15**2 / m.c44
-        eps, g, mu = np.broadcast_arrays(eps, g, mu)
-        return np.stack([np.stack([eps, g], -1), np.stack([g, mu], -1)], -2)
+        return matrix_of([[eps, g], [g, mu]])
 
 
 def _taken(values: Array, case_index: Indices) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array, column, unmasked
+from solver.arrays import Array, column, outer, stack, unmasked
 from solver.material.constants import ANY_SIZE, UNITS, VACUUM_PERMITTIVITY, Material, MaterialError
 from solver.material.evidence import Sourced
 from solver.names import COMPOSITES, FACTORS, THERMAL
@@ -58,7 +58,7 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
     >>> half.shape, bool(half.c33[0] == solver.find("CoFe2O4").c33), f"{half.g11[1]:.3g}"
     ((2,), True, '-5.23e-12')
     """
-    v = _fraction(fraction)
+    v = _fraction("volume_fraction", fraction)
     for phase in (fibre, matrix):
         phase.check()
         if np.any(np.isnan(phase.c12)):
@@ -74,11 +74,11 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
     softening = (1 - v) * (bulk_m + 2 * shear_m) / (2 * shear_m * (bulk_m + shear_m))
     shear = shear_m + v * shear_gap / (1 + shear_gap * softening)
 
-    h_f, h_m = (np.stack(np.broadcast_arrays(m.c13, m.e31, m.f31), -1) for m in (fibre, matrix))
+    h_f, h_m = (stack(m.c13, m.e31, m.f31) for m in (fibre, matrix))
     h_gap = h_f - h_m
     h = h_m + strain_share[..., None] * h_gap
     T_f, T_m = (m.generalised_stiffness()[2][..., 1:, 1:] for m in (fibre, matrix))
-    T = column(v) * T_f + column(1 - v) * T_m - column(curvature) * h_gap[..., :, None] * h_gap[..., None, :]
+    T = column(v) * T_f + column(1 - v) * T_m - column(curvature) * outer(h_gap)
     G_f, G_m = (m.generalised_stiffness()[0][..., 1:, 1:] for m in (fibre, matrix))
     G = _mori_tanaka_shear(G_f, G_m, v)
 
@@ -115,26 +115,22 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
     >>> f"{float(half.c33):.4g}"
     '2.234e+11'
     """
-    v = _fraction(fraction)
+    v = _fraction("volume_fraction", fraction)
     for phase in (first, second):
         phase.check()
-    scale = _scale(first, second)
-    scales = scale * scale[:, None]
+    scales = outer(_scale(first, second))
     Q_1, R_1, T_1 = (block * scales for block in first.generalised_stiffness())
     Q_2, R_2, T_2 = (block * scales for block in second.generalised_stiffness())
 
     def average(first_block: Array, second_block: Array) -> Array:
         return column(v) * first_block + column(1 - v) * second_block
 
-    def transposed(block: Array) -> Array:
-        return np.swapaxes(block, -1, -2)
-
     I_1, I_2 = np.linalg.inv(T_1), np.linalg.inv(T_2)
-    schur = average(Q_1 - R_1 @ I_1 @ transposed(R_1), Q_2 - R_2 @ I_2 @ transposed(R_2))
+    schur = average(Q_1 - R_1 @ I_1 @ R_1.mT, Q_2 - R_2 @ I_2 @ R_2.mT)
     T_inv = average(np.asarray(I_1), np.asarray(I_2))
     T = np.linalg.inv(T_inv)
     R = average(R_1 @ I_1, R_2 @ I_2) @ T
-    Q = (schur + R @ T_inv @ transposed(R)) / scales
+    Q = (schur + R @ T_inv @ R.mT) / scales
     R, T = R / scales, T / scales
 
     # c12 is of the out-of-plane stress, which the plane blocks lack: the layers share eps_xx, and the shear stiffness
@@ -185,10 +181,7 @@ def aluminium_scandium_nitride(scandium_fraction: ArrayLike) -> Material:
     >>> f"{film.c33 / 1e9:.1f} GPa, {film.e33:.3f} C/m2"
     '241.1 GPa, 2.238 C/m2'
     """
-    x, allowed = np.asarray(unmasked(scandium_fraction), dtype=np.float64), FACTORS["scandium_fraction"]
-    bad = x[~((x >= allowed.low) & (x <= allowed.high))]
-    if bad.size:
-        raise MaterialError(f"scandium_fraction: {bad.flat[0]:g} is not within {allowed.low:g} to {allowed.high:g}")
+    x = _fraction("scandium_fraction", scandium_fraction)
 
     def bowed(name: str) -> Array:
         nitride, scandium, bowing = _BOWED[name]
@@ -219,13 +212,13 @@ def _of_blocks(h: Array, T: Array, G: Array) -> dict[str, Any]:
     return constants
 
 
-def _fraction(fraction: ArrayLike) -> Array:
-    """Return a volume fraction as an array, or refuse values outside 0 to 1."""
-    v = np.asarray(unmasked(fraction), dtype=np.float64)
-    bad = v[~((v >= 0) & (v <= 1))]
+def _fraction(factor: str, values: ArrayLike) -> Array:
+    """Return values of a factor as an array, or refuse those outside its bounds."""
+    fractions, allowed = np.asarray(unmasked(values), dtype=np.float64), FACTORS[factor]
+    bad = fractions[~((fractions >= allowed.low) & (fractions <= allowed.high))]
     if bad.size:
-        raise MaterialError(f"volume_fraction: {bad.flat[0]:g} is not within 0 to 1")
-    return v
+        raise MaterialError(f"{factor}: {bad.flat[0]:g} is not within {allowed.low:g} to {allowed.high:g}")
+    return fractions
 
 
 def _scale(*phases: Material) -> Array:
@@ -238,8 +231,7 @@ def _scale(*phases: Material) -> Array:
 
 def _mori_tanaka_shear(G_f: Array, G_m: Array, v: Array) -> Array:
     """Longitudinal shear block G* of the fibrous composite, scaled before the inverse; (..., 3, 3)."""
-    scale = 1 / np.sqrt(np.abs(np.diagonal(G_m, axis1=-2, axis2=-1)))
-    scales = scale[..., :, None] * scale[..., None, :]
+    scales = outer(1 / np.sqrt(np.abs(np.linalg.diagonal(G_m))))
     gap, host = (G_f - G_m) * scales, G_m * scales
     concentration = np.linalg.inv(np.eye(3) + column((1 - v) / 2) * np.linalg.solve(host, gap))
     return np.asarray((host + column(v) * gap @ concentration) / scales)
@@ -255,11 +247,9 @@ def _thermal(composite: Material, phases: tuple[Material, Material], v: float, p
     """Thermal constants of a composite that its phases have; ``parallel``: heat flows through them side by side."""
     first, second = ({name: known.value for name, known in phase.thermal.items()} for phase in phases)
     values: dict[str, float] = {}
-    if (name := "heat_capacity") in first and name in second:
-        values[name] = v * first[name] + (1 - v) * second[name]
-    if (name := "conductivity") in first and name in second:
-        power = 1 if parallel else -1
-        values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
+    for name, power in (("heat_capacity", 1), ("conductivity", 1 if parallel else -1)):
+        if name in first and name in second:
+            values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
     loads = [_thermal_load(phase, known) for phase, known in zip(phases, (first, second), strict=True)]
     matrix_1, matrix_2, matrix = (_axial(body) for body in (*phases, composite))
     if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(matrix_1 - matrix_2) == len(matrix):
@@ -283,7 +273,7 @@ def _axial(material: Material) -> Array:
         [2 * m["f31"], m["f33"], m["g33"], m["mu33"]],
     ])  # fmt: skip
     scale = np.array([1.0, 1.0, _FIELD, _FIELD / 100])
-    return np.asarray(matrix * scale[:, None] * scale)
+    return np.asarray(matrix * outer(scale))
 
 
 def _thermal_load(material: Material, known: Mapping[str, float]) -> Array | None:

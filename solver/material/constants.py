@@ -9,7 +9,7 @@ from weakref import WeakSet
 import numpy as np
 from numpy.typing import ArrayLike
 
-from solver.arrays import Array, BoolArray, is_finite, stack, unmasked
+from solver.arrays import Array, BoolArray, is_finite, matrix_of, unmasked
 from solver.material.cuts import canonical, generalised_stiffness
 from solver.material.datasheet import ENTRIES, converted, meant
 from solver.material.evidence import SECTIONS, Alternative, Sourced, read_alternatives, read_sourced, with_unit
@@ -368,19 +368,19 @@ class Material:
         """Q, R and T of the Stroh formalism (theory section 2), each (..., 4, 4), rows (u_x, u_y, phi, psi), SI."""
         self.require_axial()
         zero = np.zeros(())
-        Q = _matrix([
+        Q = matrix_of([
             [self.c11, zero, zero, zero],
             [zero, self.c44, self.e15, self.f15],
             [zero, self.e15, -self.eps11, -self.g11],
             [zero, self.f15, -self.g11, -self.mu11],
         ])  # fmt: skip
-        R = _matrix([
+        R = matrix_of([
             [zero, self.c13, self.e31, self.f31],
             [self.c44, zero, zero, zero],
             [self.e15, zero, zero, zero],
             [self.f15, zero, zero, zero],
         ])  # fmt: skip
-        T = _matrix([
+        T = matrix_of([
             [self.c44, zero, zero, zero],
             [zero, self.c33, self.e33, self.f33],
             [zero, self.e33, -self.eps33, -self.g33],
@@ -491,9 +491,3 @@ def combined(change: Callable[..., Array], materials: Iterable[Material], name: 
         c: change(*(getattr(material, c) for material in originals)) for c in (*UNITS, "conductor")
     }
     return Material(**constants, name=name, any_size=ANY_SIZE)
-
-
-def _matrix(rows: list[list[Array]]) -> Array:
-    """Stack entries that broadcast against each other into (..., n, m)."""
-    flat = stack(*(entry for row in rows for entry in row))
-    return flat.reshape(*flat.shape[:-1], len(rows), len(rows[0]))

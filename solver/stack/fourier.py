@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, outer
 from solver.halfplane.spectrum import spectrum
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import Material
@@ -38,23 +38,21 @@ class Medium:
         Y[..., 0, 0] = half.tangential_compliance
         Y[..., 0, 1:] = Y[..., 1:, 0] = -k
         Y[..., 1:, 1:] = N
-        return Y / (self.scale[..., :, None] * self.scale[..., None, :])
+        return Y / outer(self.scale)
 
     @cached_property
     def _blocks(self) -> tuple[Array, Array, Array]:
         """W, Q_s and T^-1; (..., 4, 4) each."""
-        scales = self.scale[..., :, None] * self.scale[..., None, :]
-        Q, R, T = self.material.generalised_stiffness()
-        Q, R, T = Q * scales, R * scales, T * scales
+        Q, R, T = (block * outer(self.scale) for block in self.material.generalised_stiffness())
         T_inv: Array = np.asarray(np.linalg.inv(T), dtype=np.float64)
         W: Array = MIRROR @ R @ T_inv
-        return W, Q - R @ T_inv @ np.swapaxes(R, -1, -2), T_inv
+        return W, Q - R @ T_inv @ R.mT, T_inv
 
     @property
     def system(self) -> Array:
         """Matrix of the system F1.1 for [k u; t], without the factor k; (..., 8, 8)."""
         W, Q_s, T_inv = self._blocks
-        upper = np.concatenate([np.swapaxes(W, -1, -2), T_inv], -1)
+        upper = np.concatenate([W.mT, T_inv], -1)
         return np.concatenate([upper, np.concatenate([Q_s, -W], -1)], -2)
 
     @cached_property

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, Points
 from solver.stack.fourier import FLIP, MIRROR, Medium
 from solver.stack.layers import Stack
 
@@ -59,10 +59,8 @@ def waves(stack: Stack, k: Array) -> list[LayerWaves]:
 
 def _difference(compliance: Array, round_trip: Array) -> Array:
     """Y_top - Y0 = -(Y0 + S Y0 S) F (I + F)^-1, from the transposed system; (k, 4, 4), symmetric."""
-    transposed = np.swapaxes(round_trip, -1, -2)
-    solution = np.swapaxes(np.linalg.solve(np.eye(4) + transposed, transposed), -1, -2)
-    Y = -(compliance + FLIP * compliance) @ solution
-    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
+    Y = -(compliance + FLIP * compliance) @ np.linalg.solve(np.eye(4) + round_trip.mT, round_trip.mT).mT
+    return np.asarray(Y + Y.mT) / 2
 
 
 def _transfer(medium: Medium, s: Array) -> Array:
@@ -90,12 +88,12 @@ def _above(transfer: Array, Y: Array) -> Array:
 
 def _quotient(displacement: Array, traction: Array) -> Array:
     """Symmetric Y of k u = Y t from both as functions of the same unknowns; (k, 4, 4)."""
-    Y = np.swapaxes(np.linalg.solve(np.swapaxes(traction, -1, -2), np.swapaxes(displacement, -1, -2)), -1, -2)
-    return np.asarray(Y + np.swapaxes(Y, -1, -2)) / 2
+    Y = np.linalg.solve(traction.mT, displacement.mT).mT
+    return np.asarray(Y + Y.mT) / 2
 
 
-def held(Y: Array, components: tuple[int, ...]) -> Array:
-    """Y (..., 4, 4) of a body under an interface that holds components of u at zero (films, F2.1)."""
+def held(Y: Points, components: tuple[int, ...]) -> Points:
+    """Y (..., m, m) of a body under an interface that holds components of u at zero (films, F2.1)."""
     for c in components:
         pivot = Y[..., c, c]
         share = Y[..., :, c] / np.where(pivot == 0, 1.0, pivot)[..., None]

@@ -12,8 +12,9 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, outer
 from solver.material.constants import MaterialError
+from solver.stack.reflection import held
 
 NORMAL, PHI = 2, 3  # indices of (u_z, s_zz) and of (phi, D_z)
 _PERTURBATION = 1e-5  # of the stiffness where roots coincide; the mean over both signs is exact to its square
@@ -47,11 +48,6 @@ class SurfaceBody:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
-        if not self.layers and self.base is None:
-            raise SurfaceError("body: neither layers nor a base; a surface needs one of them")
-        for layer in self.layers:
-            if not (np.isfinite(layer.thickness) and layer.thickness > 0):
-                raise SurfaceError(f"thickness: {layer.thickness!r} is not allowed; a finite number > 0 [m]")
 
     @cached_property
     def _key(self) -> tuple[object, ...]:
@@ -113,7 +109,7 @@ class SurfaceBody:
         """Number of directions over a full turn that resolve every harmonic of Y."""
         count = _DIRECTIONS[-1]
         k = np.array([np.inf]) if not self.layers else np.append(np.geomspace(0.03, 3, 5) / self.thickness, np.inf)
-        Y = self.multiplier(k, 2 * np.pi * np.arange(count) / count) / (self.scale[:, None] * self.scale)
+        Y = self.multiplier(k, 2 * np.pi * np.arange(count) / count) / outer(self.scale)
         size = np.max(np.abs(np.fft.fft(Y, axis=1)), axis=(0, 2, 3))
         size[1:] = np.maximum(size[1:], size[:0:-1])
         highest = int(np.max(np.flatnonzero(size[: count // 2] > _RESOLVED * np.max(size))))
@@ -159,7 +155,7 @@ class SurfaceBody:
         half, added, conducts = below[0], np.zeros_like(below), self.base_conductor
         for layer, E in reversed(list(zip(self.layers, stiffnesses, strict=False))):
             if (layer.grounded or layer.conductor or conducts) and np.any(below):
-                below = _grounded(below)
+                below = held(below, (PHI,))  # layers on a rigid base seen from afar are held already
             A, B, p = _modes(E, theta)
             down, up = (A[..., :m], B[..., :m], p[..., :m]), (A[..., m:], B[..., m:], p[..., m:])
             inverse = np.linalg.inv(down[1])
@@ -185,22 +181,13 @@ def _modes(E: Array, theta: Array) -> tuple[ComplexArray, ComplexArray, ComplexA
     Q = np.einsum("ti,iJKl,tl->tJK", direction, E, direction)
     R = np.einsum("ti,iJK->tJK", direction, E[..., 2])
     inverse = np.linalg.inv(E[2, :, :, 2])
-    upper = np.concatenate([-inverse @ R.swapaxes(-1, -2), np.broadcast_to(inverse, Q.shape)], -1)
-    lower = np.concatenate([R @ inverse @ R.swapaxes(-1, -2) - Q, -R @ inverse], -1)
+    upper = np.concatenate([-inverse @ R.mT, np.broadcast_to(inverse, Q.shape)], -1)
+    lower = np.concatenate([R @ inverse @ R.mT - Q, -R @ inverse], -1)
     roots, vectors = np.linalg.eig(np.concatenate([upper, lower], -2))
     order = np.argsort(roots.imag, axis=-1)
     roots = np.take_along_axis(roots, order, -1).astype(np.complex128)
     vectors = np.take_along_axis(vectors, order[..., None, :], -1)
     return vectors[..., :m, :], vectors[..., m:, :], roots
-
-
-def _grounded(Y: ComplexArray) -> ComplexArray:
-    """Multiplier of a body whose surface is held at phi = 0; (..., m, m)."""
-    held = Y[..., PHI, PHI, None, None]
-    # layers on a rigid base seen from afar are held already
-    Y = Y - Y[..., :, PHI, None] * Y[..., None, PHI, :] / np.where(held == 0, 1.0, held)
-    Y[..., PHI, :] = Y[..., :, PHI] = 0.0
-    return Y
 
 
 def _is_isotropic(E: Array) -> bool:

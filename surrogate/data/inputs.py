@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -79,6 +79,13 @@ class Input:
         if self.scale == "logit" and not (self.low > 0 and self.high < 1):
             raise ValueError(f"input {self.name!r}: a logit scale needs 0 < low and high < 1, got {self.range_text()}")
 
+    @cached_property
+    def _width(self) -> float:
+        """Width of the range on its scale."""
+        if self.scale == "log":
+            return float(np.log(self.high / self.low))
+        return float(_logit(self.high) - _logit(self.low)) if self.scale == "logit" else self.high - self.low
+
     @property
     def attrs(self) -> dict[str, str]:
         """`units` and `long_name`, where it has them, for a labelled coordinate."""
@@ -92,23 +99,23 @@ class Input:
     def from_unit(self, unit: ArrayLike) -> Array:
         """Map scaled coordinates to physical values; any shape. The ends are met exactly."""
         unit = np.asarray(unmasked(unit), dtype=np.float64)
-        share = (unit + 1) / 2
+        along = (unit + 1) / 2 * self._width
         if self.scale == "log":
-            value = self.low * np.exp(share * np.log(self.high / self.low))
+            value = self.low * np.exp(along)
         elif self.scale == "logit":
-            value = scipy.special.expit(_logit(self.low) + share * (_logit(self.high) - _logit(self.low)))
+            value = scipy.special.expit(_logit(self.low) + along)
         else:
-            value = self.low + share * (self.high - self.low)
+            value = self.low + along
         return np.asarray(np.where(unit == -1, self.low, np.where(unit == 1, self.high, value)))
 
     def unit_slope(self, value: ArrayLike) -> Array:
         """Return d(scaled coordinate)/d(value) at physical values, any shape, in 1/`units`."""
         value = np.asarray(unmasked(value), dtype=np.float64)
         if self.scale == "log":
-            return np.asarray(2 / (np.log(self.high / self.low) * value))
+            return np.asarray(2 / (self._width * value))
         if self.scale == "logit":
-            return np.asarray(2 / ((_logit(self.high) - _logit(self.low)) * value * (1 - value)))
-        return np.full_like(value, 2 / (self.high - self.low))
+            return np.asarray(2 / (self._width * value * (1 - value)))
+        return np.full_like(value, 2 / self._width)
 
     def levels(self, count: int) -> Array:
         """Return the `count` Chebyshev-Gauss levels of the range, ascending, shape (count,)."""
@@ -175,12 +182,7 @@ def physical_points(inputs: Sequence[Input], t: Array) -> Array:
 def _scales(inputs: tuple[Input, ...]) -> tuple[Array, Array, Indices, Indices]:
     """Return low ends and widths on the inputs' scales, (d, 1) each, and the numbers of log and of logit inputs."""
     low = np.array([[input_.low] for input_ in inputs]).reshape(-1, 1)
-    width = [
-        np.log(input_.high / input_.low) if input_.scale == "log"
-        else _logit(input_.high) - _logit(input_.low) if input_.scale == "logit"
-        else input_.high - input_.low
-        for input_ in inputs
-    ]  # fmt: skip
+    width = [input_._width for input_ in inputs]
     members = {scale: np.flatnonzero([input_.scale == scale for input_ in inputs]) for scale in SCALES}
     return low, np.reshape(width, (-1, 1)), members["log"], members["logit"]
 

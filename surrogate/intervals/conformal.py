@@ -59,20 +59,17 @@ def calibrate(
     known = np.flatnonzero(np.isfinite(logarithms).all(axis=1))
     degrees, trend = _fitted(logarithms[known], t, groups)
     A = products.values(degrees, t).T
-    guard, whole = unguarded(len(t), len(errors)), np.zeros((len(degrees), len(errors)))
+    whole = np.zeros((len(degrees), len(errors)))
     whole[:, known] = trend
-    outer_guard = None if outer is None else unguarded(len(outer), len(errors), pooled=True)
     logarithms[known] = _cross_fitted(A, logarithms[known], trend, groups)
-    for p in known:
-        scores = logarithms[p]
-        allowed = float(np.quantile(scores[even], NOMINAL))
-        fill(guard, int(p), scores, allowed, t, groups, even)
-        if outer_guard is not None and outer is not None:
-            beyond = scores - guard.only([int(p)]).at(t)[:, 0]
-            fill(outer_guard, int(p), beyond, allowed, outer, groups, even)
-    logarithms -= guard.at(t).T
-    if outer_guard is not None and outer is not None:
-        logarithms -= outer_guard.at(outer).T
+    allowed = {int(p): float(np.quantile(logarithms[p, even], NOMINAL)) for p in known}
+    guards = []
+    for inputs in (t,) if outer is None else (t, outer):
+        guard = unguarded(len(inputs), len(errors), pooled=inputs is outer)
+        for p, level in allowed.items():
+            fill(guard, p, logarithms[p], level, inputs, groups, even)
+        logarithms -= guard.at(inputs).T
+        guards.append(guard)
     scores = (np.sign(errors) * np.exp(logarithms))[:, even]
     distribution = _distribution(scores)
     # from here on scores are in standard deviations
@@ -82,6 +79,7 @@ def calibrate(
     fitted = A @ whole
     within = np.stack([fitted.min(axis=0), fitted.max(axis=0)])
     table = replace(distribution, quantiles=distribution.quantiles / size)
+    guard, outer_guard = guards[0], guards[1] if len(guards) > 1 else None
     return Calibration(weights, floor, whole, degrees, within, guard, table, outer_guard, Copula.of(scores, t[:, even]))
 
 

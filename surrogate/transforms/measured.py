@@ -4,7 +4,7 @@ Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425: measured = model(input, c
 with a discrepancy that is a smooth Gaussian process of the inputs.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Self
@@ -125,12 +125,17 @@ class Draw:
     @classmethod
     def of(cls, discrepancies: Mapping[int, Discrepancy], prior: Array) -> "Draw":
         """Return the posterior of scaled constants with prior deviations (k,), zero for known ones."""
-        precision, weighted = np.zeros((len(prior), len(prior))), np.zeros(len(prior))
-        for discrepancy in discrepancies.values():
-            information, estimate = discrepancy.information
-            precision += information
-            weighted += estimate
-        return cls(*posterior(precision, weighted, prior), discrepancies)
+        information = summed((discrepancy.information for discrepancy in discrepancies.values()), len(prior))
+        return cls(*posterior(*information, prior), discrepancies)
+
+
+def summed(information: Iterable[tuple[Array, Array]], constants: int) -> tuple[Array, Array]:
+    """Return the sums of precisions (k, k) of the constants and of their products with estimates (k,)."""
+    precision, weighted = np.zeros((constants, constants)), np.zeros(constants)
+    for term, estimate in information:
+        precision += term
+        weighted += estimate
+    return precision, weighted
 
 
 def posterior(precision: Array, weighted: Array, prior: Array) -> tuple[Array, Array]:

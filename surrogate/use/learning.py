@@ -11,7 +11,7 @@ Gaussian, once the model is linearised about the constants' estimate (Gauss-Newt
 only through their precision, (k, k).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -21,7 +21,7 @@ from scipy.linalg import cho_solve
 
 from approximation.arrays import Array, Flags, Indices
 from surrogate.data.inputs import Input, unit_coordinates
-from surrogate.transforms.measured import Discrepancy, Draw, Measurements, mixture, moments, posterior
+from surrogate.transforms.measured import Discrepancy, Draw, Measurements, mixture, moments, posterior, summed
 
 # Priors: density a^-1/2 of a discrepancy's amplitude over the size of its output, falling faster from AMPLITUDE on;
 # log-normal lengths with this median and deviation, in a box of width 2; Student's t with so many degrees of freedom
@@ -83,14 +83,17 @@ class Residuals:
         amplitude, lengths = float(np.exp(state.amplitude)) * self.size, np.exp(state.lengths)
         return Discrepancy(self.points, self._noise(state), amplitude, lengths, self.residual, self.slopes)
 
-    def few(self) -> tuple["Residuals", Indices]:
-        """Return at most `_MOST_VALUES` values and their indices."""
+    @cached_property
+    def chosen(self) -> Indices:
+        """Indices of the values in the chain, at most `_MOST_VALUES`."""
         n = len(self.residual)
-        chosen = np.arange(n)
-        if n > _MOST_VALUES:
-            chosen = np.sort(np.random.default_rng(0).choice(n, _MOST_VALUES, replace=False))
+        return np.sort(np.random.default_rng(0).choice(n, min(n, _MOST_VALUES), replace=False))
+
+    @cached_property
+    def few(self) -> "Residuals":
+        """The values in the chain."""
         names = ("points", "residual", "slopes", "spread", "stated", "unknown")
-        return replace(self, **{name: getattr(self, name)[chosen] for name in names}), chosen
+        return replace(self, **{name: getattr(self, name)[self.chosen] for name in names})
 
     def usual(self, state: State) -> Array:
         """Return the variances of all errors, (n,), without outliers."""
@@ -117,18 +120,16 @@ class Residuals:
             state = replace(state, **sampled)
         return replace(state, wild=self._wild(state, misfit, covariance_rest, random)), odds
 
-    def completed(self, state: State, chosen: Indices, mean: Array, random: np.random.Generator) -> State:
-        """Return a state of the values `chosen` with sampled outliers of all others, at constants `mean`, (k,)."""
-        wild = np.zeros(len(self.residual), np.intp)
-        wild[chosen] = state.wild
-        whole = replace(state, wild=wild)
-        others = np.setdiff1d(np.arange(len(wild)), chosen)
+    def completed(self, state: State, mean: Array, random: np.random.Generator) -> State:
+        """Return a state of the chain's values with sampled outliers of all others, at constants `mean`, (k,)."""
+        others = np.setdiff1d(np.arange(len(self.residual)), self.chosen)
         if not len(others):
-            return whole
-        known = self.few()[0].at(state)
-        discrepancy, by_constants, variance = known.at(self.points[others])
+            return state
+        wild = np.zeros(len(self.residual), np.intp)
+        wild[self.chosen] = state.wild
+        discrepancy, by_constants, variance = self.few.at(state).at(self.points[others])
         misfit = self.residual[others] - self.slopes[others] @ mean - discrepancy + by_constants @ mean
-        noise = self.spread[others, None] + (self._plain(whole)[others, None] * WILD**2) + variance[:, None]
+        noise = self.spread[others, None] + (self._plain(state)[others, None] * WILD**2) + variance[:, None]
         likely = np.log(CHANCE) - 0.5 * np.log(noise) - 0.5 * misfit[:, None] ** 2 / noise
         wild[others] = [_pick(chances, random) for chances in likely]
         return replace(state, wild=wild)
@@ -334,10 +335,9 @@ def learn(
         random = np.random.default_rng(0)
         states = []
         for k in rounds_used:
-            mean = _draw({q: part.few()[0] for q, part in parts.items()}, chain.states[k], chain.shares[k], single).mean
-            states.append(
-                {q: part.completed(chain.states[k][q], part.few()[1], mean, random) for q, part in parts.items()}
-            )
+            few = {q: part.few for q, part in parts.items()}
+            mean = _draw(few, chain.states[k], chain.shares[k], single).mean
+            states.append({q: part.completed(chain.states[k][q], mean, random) for q, part in parts.items()})
         previous = about
         about, draws = _settled(linearised, about, states, chain.shares[rounds_used], single)
         start = chain.states[-1]
@@ -346,8 +346,7 @@ def learn(
     wild = np.zeros(len(rows.value))
     for q in rows.outputs:
         wild[rows.of(q)] = np.mean([state[q].wild > 0 for state in states], axis=0)
-        few_rows = parts[q].few()[1]
-        wild[rows.of(q)[few_rows]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
+        wild[rows.of(q)[parts[q].chosen]] = np.mean([state[q].wild > 0 for state in chain.states], axis=0)
     plain = [{q: part.usual(state[q]) for q, part in parts.items()} for state in states]
     predicted, variance = moments([_left_out(rows, draw, noise) for draw, noise in zip(draws, plain, strict=True)])
     return Learnt(about, draws, chain, wild, (predicted, np.sqrt(variance)))
@@ -382,7 +381,7 @@ def _chained(
     rounds: int,
 ) -> Chain:
     """Return a chain over all unknowns but constants and discrepancies, which are integrated over."""
-    few = {q: part.few()[0] for q, part in parts.items()}
+    few = {q: part.few for q, part in parts.items()}
     state = {q: part.first for q, part in few.items()} if start is None else dict(start)
     information = {q: part.at(state[q]).information for q, part in few.items()}
     share = 1.0 if single.any() else 0.0
@@ -392,13 +391,10 @@ def _chained(
         prior = np.where(single, share, 1.0)
         chances = {}
         for q, part in few.items():
-            others = [information[name] for name in few if name != q]
-            precision = sum((term for term, _ in others), np.zeros((len(prior), len(prior))))
-            weighted = sum((term for _, term in others), np.zeros(len(prior)))
-            mean, covariance = posterior(precision, weighted, prior)
-            state[q], chances[q] = part.swept(state[q], mean, covariance, random)
+            others = summed((information[name] for name in few if name != q), len(prior))
+            state[q], chances[q] = part.swept(state[q], *posterior(*others, prior), random)
             information[q] = part.at(state[q]).information
-        likely = _shares(list(information.values()), single)
+        likely = _shares(information.values(), single)
         chance = np.exp(likely - likely.max())
         chance /= chance.sum()
         share = float(SHARES[random.choice(len(SHARES), p=chance)]) if single.any() else 0.0
@@ -411,9 +407,9 @@ def _chained(
     return Chain(tuple(states), np.array(shares), {q: np.array(term) for q, term in odds.items()}, np.array(offs))
 
 
-def _shares(information: Sequence[tuple[Array, Array]], single: Flags) -> Array:
+def _shares(information: Iterable[tuple[Array, Array]], single: Flags) -> Array:
     """Return log-probabilities of `SHARES`, up to a constant, from every output's information on the constants."""
-    precision, weighted = (np.sum([pair[k] for pair in information], axis=0) for k in (0, 1))
+    precision, weighted = summed(information, len(single))
     shares: Array = np.log(SHARE_CHANCES)
     for k, share in enumerate(SHARES):
         prior = np.where(single, share, 1.0)

@@ -102,7 +102,7 @@ SPHERE, RADIUS = 5e-3, 1e-4
 
 
 def test_elements_of_order_two_are_as_good_as_the_page_on_other_codes_says() -> None:
-    idle, charged = (PointContact([LAYER], None, SPHERE, RADIUS, T, permittivity=0.0, order=2) for T in (0.0, 1e-9))
+    idle, charged = (PointContact([LAYER], None, SPHERE, RADIUS, T, air=False, order=2) for T in (0.0, 1e-9))
     share = idle.voltage / (idle.voltage - charged.voltage)  # of the charge that leaves zero volts
     charge_per_force = abs(share * 1e-9 / ((1 - share) * idle.force + share * charged.force))
     assert abs(charge_per_force / 142.205125e-12 - 1) == pytest.approx(1e-3, rel=0.2)

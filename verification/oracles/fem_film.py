@@ -64,7 +64,7 @@ class FilmContact:
     punch: Punch
     half_length: float  # (a + b)/2 [m]
     order: int  # Of the polynomials of an element
-    permittivity: float = 0.0  # Of the medium in the gap over vacuum's; 0: D_y = 0 and B_y = 0 beside the contact
+    air: bool = False  # In the gap; False: D_y = 0 and B_y = 0 beside the contact
 
     # -- the two bodies ------------------------------------------------------------------------------------------------
     @cached_property
@@ -125,15 +125,10 @@ class FilmContact:
             columns = columns + _entries(body + 1, mine + 1, -1.0, size)
         return rows, columns
 
-    # -- the air -------------------------------------------------------------------------------------------------------
     @cached_property
     def _exterior(self) -> Gap:
         """The surface beside the contact."""
         return Gap(self.body, self.order + 6)
-
-    def _medium(self, potential: int) -> float:
-        """eps or mu of the gap; the medium's permittivity does not change mu0."""
-        return VACUUM[potential] * (self.permittivity if potential == ELECTRIC else float(self.permittivity > 0))
 
     # -- the solution --------------------------------------------------------------------------------------------------
     @cached_property
@@ -144,7 +139,7 @@ class FilmContact:
         u[4 * below + 1, :3] = self.places[:, None] ** np.arange(3)
         for state, potential in enumerate(self.punch.conducted, start=3):
             u[4 * below + potential, state] = 1.0
-        exterior = np.setdiff1d(nodes, below) if self.permittivity else np.zeros(0, dtype=int)
+        exterior = np.setdiff1d(nodes, below) if self.air else np.zeros(0, dtype=int)
         potentials = np.array([4 * exterior + potential for potential in self.punch.conducted], dtype=int).ravel()
         contact_dofs = (4 * below[:, None] + np.arange(4)).ravel()
         heights = [4 * np.unique(nodes) + 1]
@@ -155,11 +150,11 @@ class FilmContact:
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u (unknowns, states), in air right on the surface only, and nodal loads (node, 4, states)."""
         size, count = self._stiffness.shape[0], 4 * len(self.body.places)
-        air, pushed = csr_array((size, size)), np.zeros((size, 3 + len(self.punch.conducted)))
-        for state, potential in enumerate(self.punch.conducted if self.permittivity else (), start=3):
-            spring = self._exterior.spring(potential, self._medium(potential), gap, size)
-            air, pushed[:, state] = air + spring, spring.sum(axis=1)
-        u, loads = self._dry.charged(air, pushed)
+        springs, pushed = csr_array((size, size)), np.zeros((size, 3 + len(self.punch.conducted)))
+        for state, potential in enumerate(self.punch.conducted if self.air else (), start=3):
+            spring = self._exterior.spring(potential, VACUUM[potential], gap, size)
+            springs, pushed[:, state] = springs + spring, spring.sum(axis=1)
+        u, loads = self._dry.charged(springs, pushed)
         return u, loads[:count].reshape(count // 4, 4, -1)
 
     @cached_property
@@ -167,7 +162,7 @@ class FilmContact:
         """Scaled u, nodal loads, weights of the states, and the gaps over h (side, point)."""
         x = np.abs(self._exterior.rule[0])
         curved = (x - 1) * np.sqrt(x**2 - 1) * self.half_length / (2 * self.punch.radius)
-        gap = curved if self.permittivity else np.full_like(curved, np.inf)
+        gap = curved if self.air else np.full_like(curved, np.inf)
         return settled(self._charged, self._weighed, self._gap, gap, 1e-7)
 
     def _gap(self, u: Array, weights: Array) -> Array:
@@ -280,7 +275,7 @@ class FilmContact:
     @cached_property
     def _inside(self) -> Array:
         """u of all of the body's nodes, in air from the loads on its surface; SI units, (nodes, 4)."""
-        if not self.permittivity:
+        if not self.air:
             return self.u
         free = ~clamped(self.body, self.layers, self.half_length, rigid=self.base is None).ravel()
         u = np.zeros(free.size)

@@ -1,4 +1,4 @@
-"""A rigid punch of revolution pressed on layers with air beside the contact, by axisymmetric spectral finite elements.
+"""A rigid sphere pressed on layers with air beside the contact, by axisymmetric spectral finite elements.
 
 Written from the equations: the weak form of (1a)-(1c) about an axis, hoop stretch u_r/r, and in the gap
 D_y (1 + r^2/end^2) = -eps0 (V - phi)/g. The air is a spring on the potentials of the exterior surface; gaps and
@@ -12,13 +12,12 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array, eye_array
-from scipy.special import gamma
 
 from verification.oracles.fem_film import Layer, clamped, contact
 from verification.oracles.film_mesh import FAR, assemble, depths, growing
 from verification.oracles.gap_response import VACUUM, Dry, Gap, settled
 from verification.oracles.spectral import ELECTRIC, FORCES, Body, Index, Quadrilaterals, bilinear, lagrange
-from verification.oracles.surface_response import ALONG, DOWN, UNITS, Array, constitutive_matrix, surface_response
+from verification.oracles.surface_response import ALONG, DOWN, UNITS, Array, constitutive_matrix
 
 _GROWTH, _SIZE = 2.5, 0.25  # of elements: far away, and beside the edge
 
@@ -60,31 +59,17 @@ def _mesh(thicknesses: Sequence[float], rigid: bool) -> Quadrilaterals:
     return assemble(r, *depths(thicknesses, rigid, size, _GROWTH), [int(np.flatnonzero(r == 1)[0])])
 
 
-def _tests(r: Array, order: int) -> Array:
-    """P_0, P_2, ... of sqrt(1 - r^2); (..., n)."""
-    x = np.sqrt(np.maximum((1 - r) * (1 + r), 0))
-    return np.asarray(np.polynomial.legendre.legvander(x, order)[..., ::2])
-
-
 @dataclass(frozen=True, eq=False)
 class PointContact:
-    """The contact of a given radius under a rigid sphere, cone or power of r."""
+    """The contact of a given radius under a rigid sphere."""
 
     layers: Sequence[Layer]  # From the top down; constants with c12
     base: Mapping[str, float] | None  # Constants of the half-space below them; None: rigid
-    sphere: float  # Radius of the punch [m], at which its gap ends; of a sphere that of its face, too
+    sphere: float  # Radius of the punch [m], at which its gap ends
     radius: float  # Of the contact [m]
     charge: float = 0.0  # T [C]
-    permittivity: float = 1.0  # Of the medium in the gap over vacuum's; 0: D_y = 0 beside the contact
+    air: bool = True  # In the gap; False: D_y = 0 beside the contact
     order: int = 8  # Of the polynomials of an element
-    # Exponent e and coefficient C [m^(1-e)] of the profile C r^e; None: the sphere's, 2 and 1/(2 sphere)
-    power: tuple[float, float] | None = None
-
-    @property
-    def _profile(self) -> tuple[float, float]:
-        """Exponent, and the profile at the edge [m]."""
-        exponent, coefficient = self.power or (2.0, 1 / (2 * self.sphere))
-        return exponent, coefficient * self.radius**exponent
 
     @cached_property
     def body(self) -> Revolved:
@@ -110,7 +95,7 @@ class PointContact:
         held[r == 0, 0] = True
         held[below, 1:3] = True
         u = np.zeros((4 * len(r), 3))
-        u[4 * below + 1, :2] = r[below, None] ** [0, self._profile[0]]
+        u[4 * below + 1, :2] = r[below, None] ** [0, 2]
         u[4 * below + ELECTRIC, 2] = 1.0
         nodes = self._exterior.nodes
         exterior = np.setdiff1d(nodes, below)
@@ -120,46 +105,27 @@ class PointContact:
                       4 * np.unique(nodes) + 1)  # fmt: skip
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
-        """Scaled u and nodal loads of the states u_y = 1, r^e and phi = 1 under the punch; (node, 4, state) each."""
+        """Scaled u and nodal loads of the states u_y = 1, r^2 and phi = 1 under the punch; (node, 4, state) each."""
         r, pushed = self._exterior.rule[0], np.zeros_like(self._dry.prescribed)
-        medium = self.permittivity * VACUUM[ELECTRIC] * r / (1 + (r * self.radius / self.sphere) ** 2)
+        medium = VACUUM[ELECTRIC] * r / (1 + (r * self.radius / self.sphere) ** 2)
         spring = self._exterior.spring(ELECTRIC, medium, gap, len(pushed))
         pushed[:, 2] = spring.sum(axis=1)
         u, loads = self._dry.charged(spring, pushed)
         return u.reshape(-1, 4, 3), loads.reshape(-1, 4, 3)
 
     def _strength(self, forces: Array) -> Array:
-        """Return the strength of the singular pressure at the edge, from nodal forces (nodes, states).
-
-        The forces of a half-space under r^e are subtracted: they have no singularity, but a kink at the apex.
-        """
+        """Return the strength of the singular pressure at the edge, from nodal forces (nodes, states)."""
         r = self.body.places[self._below, 0]
         orders = 2 * np.arange(self.order + 4)
-        ends = np.polynomial.legendre.legvander(np.zeros(1), orders[-1])[0, ::2]
-        moments = _tests(r, orders[-1]).T @ forces
-        moments[:, 1] += self._smooth(orders[-1])
-        return np.asarray(((2 * orders + 1) * ends) @ moments)
-
-    def _smooth(self, order: int) -> Array:
-        """Minus the scaled nodal forces of p = A int_r^1 s^(e-1) / sqrt(s^2 - r^2) ds, tested."""
-        exponent, _ = self._profile
-        N = surface_response(self.layers[0].material).normal_compliance[:2, :2]
-        rise = np.sqrt(np.pi) * gamma(exponent / 2 + 1) / gamma((exponent + 1) / 2)
-        x, w = np.polynomial.legendre.leggauss(40)
-        t, weights = (1 + x) / 2, w / 2
-        s, angle = t**4, np.pi / 2 * t
-        inner = _tests(s[:, None] * np.sin(angle), order) * np.sin(angle)[:, None]
-        share = weights * 4 * t**3 * s**exponent
-        tested = np.einsum("s,sam,a->m", share, inner, np.pi / 2 * weights)
-        return np.asarray(2 / np.pi * np.linalg.inv(N)[0, 0] * exponent * rise * tested / FORCES[1])
+        at_edge = np.polynomial.legendre.legvander(np.zeros(1), orders[-1])[0, ::2]
+        tests = np.polynomial.legendre.legvander(np.sqrt((1 - r) * (1 + r)), orders[-1])[:, ::2]
+        return np.asarray(((2 * orders + 1) * at_edge) @ (tests.T @ forces))
 
     @cached_property
     def _solved(self) -> tuple[Array, Array, Array, Array]:
         """Scaled u, nodal loads, weights of the states, gaps over a (side, point)."""
-        r = self._exterior.rule[0]
-        exponent, curved = self._profile
-        gap = (r**2 - 1) ** 1.5 * r ** (exponent - 3) * curved / self.radius
-        gap = gap if self.permittivity else np.full_like(gap, np.inf)
+        r, curved = self._exterior.rule[0], self.radius**2 / (2 * self.sphere)
+        gap = (r**2 - 1) ** 1.5 / r * curved / self.radius if self.air else np.full_like(r, np.inf)
 
         def weighed(loads: Array) -> Array:
             rows = np.array([self._strength(loads[self._below, 1]), -loads[:, ELECTRIC].sum(axis=0)])
@@ -167,7 +133,7 @@ class PointContact:
             return np.insert(np.linalg.solve(rows[:, [0, 2]], right), 1, curved)
 
         def opened(u: Array, weights: Array) -> Array:
-            return np.asarray((weights[0] + curved * r**exponent - self._exterior.at(u[:, 1])) / self.radius)
+            return np.asarray((weights[0] + curved * r**2 - self._exterior.at(u[:, 1])) / self.radius)
 
         return settled(self._charged, weighed, opened, gap, 1e-8)
 

@@ -4,44 +4,47 @@ Hertz's problem with the compliance lambda for every power of r (Sneddon 1965), 
 conducted fields, tangents by differences at 1e-30.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from mpmath import beta, inverse, lu_solve, matrix, mp, mpf, pi, sqrt
+from mpmath import beta, fdot, inverse, lu_solve, matrix, mp, mpf, pi, sqrt
 
 from verification.oracles.half_plane import WORK_DIGITS, half_plane
 
 _STEP = mpf(10) ** -30
-_UNIT = {1: mpf("1e-9"), 2: mpf("1e-6")}  # C and Wb
+_UNITS = (mpf("1e-9"), mpf("1e-6"))  # sizes of the charges' steps, C and Wb
+#: Names of the quantities of the electric and of the magnetic field.
+_NAMES = (
+    ("voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt", "capacitance",
+     "electric_edge_intensity"),
+    ("magnetic_potential", "magnetic_potential_per_force", "flux_per_force", "stroke_per_ampere",
+     "blocked_force_per_ampere", "permeance", "magnetic_edge_intensity"),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Punch:
-    """A profile C r^e, e > 0, or a disc of a radius, on a material."""
+    """A conducting profile C r^e, e > 0, or a disc of a radius, on a material."""
 
-    compliance: matrix  # N over (y, phi, psi), including an elastic punch; 3 x 3
-    conducted: tuple[int, ...]  # Which of 1 (electric) and 2 (magnetic) the punch conducts
+    compliance: matrix  # N over (y, phi, psi), 3 x 3
     # C and e; of a disc its radius and 0
     coefficient: mpf
     exponent: mpf
 
     @property
     def conducting(self) -> matrix:
-        """M: N over the conducted fields."""
-        return matrix([[self.compliance[i, j] for j in self.conducted] for i in self.conducted])
+        """M: N over (phi, psi)."""
+        return self.compliance[1:, 1:]
 
     @property
     def screening(self) -> list[mpf]:
-        """r = M^-1 n over the conducted fields."""
-        if not self.conducted:
-            return []
-        return list(lu_solve(self.conducting, matrix([self.compliance[i, 0] for i in self.conducted])))
+        """r = M^-1 n over (phi, psi)."""
+        return list(lu_solve(self.conducting, self.compliance[1:, 0]))
 
     @property
     def lam(self) -> mpf:
         """Normal compliance under the punch."""
-        pairs = zip(self.conducted, self.screening, strict=True)
-        return self.compliance[0, 0] - sum(self.compliance[i, 0] * r for i, r in pairs)
+        return self.compliance[0, 0] - fdot(self.compliance[1:, 0], self.screening)
 
     def approach(self, a: mpf) -> mpf:
         """d = a int_0^a g'(s) / sqrt(a^2 - s^2) ds."""
@@ -64,14 +67,14 @@ class Punch:
         return 2 * self.approach(a) * self.exponent / (pi * self.lam * a * (self.exponent - 1))
 
 
-def _answer(punch: Punch, force: mpf, charges: Mapping[int, mpf]) -> dict[str, mpf]:
-    """Return radius [m], depth [m] and potentials (u1, u2) [V, A] under the charges of the conducted fields."""
+def _answer(punch: Punch, loads: Sequence[mpf]) -> list[mpf]:
+    """Return depth [m] and potentials [V, A] under force, charge and magnetic charge."""
+    force, *charges = loads
     a = punch.radius(force)
     approach = punch.approach(a) if punch.exponent else force * punch.lam / (4 * a)
-    sums = matrix([charges[i] + r * force for i, r in zip(punch.conducted, punch.screening, strict=True)])
-    potentials = list(-punch.conducting * sums / (4 * a)) if punch.conducted else []
-    depth = approach - sum(r * u for r, u in zip(punch.screening, potentials, strict=True))
-    return {"radius": a, "depth": depth} | {f"u{i}": u for i, u in zip(punch.conducted, potentials, strict=True)}
+    sums = matrix([charge + r * force for charge, r in zip(charges, punch.screening, strict=True)])
+    potentials = list(-punch.conducting * sums / (4 * a))
+    return [approach - fdot(punch.screening, potentials), *potentials]
 
 
 def quantities(
@@ -80,65 +83,47 @@ def quantities(
     exponent: float,
     coefficient: float,
     force: float,
-    charge: float = 0.0,
-    magnetic_charge: float = 0.0,
-    conducted: tuple[int, ...] = (1, 2),
-    punch_compliance: float = 0.0,
+    charge: float,
+    magnetic_charge: float,
 ) -> dict[str, float]:
     """Quantities as they are named in ``solver.names``, SI units; ``peak_pressure`` where it is at the centre."""
     with mp.workdps(WORK_DIGITS):
-        N = half_plane(material).normal_compliance.copy()
-        N[0, 0] += mpf(punch_compliance)
-        punch = Punch(N, conducted, mpf(coefficient), mpf(exponent))
-        charges = {1: mpf(charge), 2: mpf(magnetic_charge)}
-        return {name: float(value) for name, value in _named(punch, mpf(force), charges)}
+        punch = Punch(half_plane(material).normal_compliance, mpf(coefficient), mpf(exponent))
+        named = _named(punch, [mpf(force), mpf(charge), mpf(magnetic_charge)])
+        return {name: float(value) for name, value in named.items()}
 
 
-def _named(punch: Punch, P: mpf, charges: dict[int, mpf]) -> list[tuple[str, mpf]]:
-    answer = _answer(punch, P, charges)
-    a, nothing = answer["radius"], {1: mpf(0), 2: mpf(0)}
-    named = [("contact_radius", a), ("depth", answer["depth"])]
-    if punch.exponent > 1:
-        named.append(("peak_pressure", punch.central_pressure(a)))
-    held = _inverse_tangent(punch, P, charges)
+def _named(punch: Punch, loads: Sequence[mpf]) -> dict[str, mpf]:
+    P, (depth, *potentials), a = loads[0], _answer(punch, loads), punch.radius(loads[0])
+    held, uncharged = _inverse_tangent(punch, loads), _inverse_tangent(punch, [P, mpf(0), mpf(0)])
     stiff = inverse(held)  # d(P, charges) / d(depth, potentials)
-    named += [("contact_stiffness", stiff[0, 0]), ("contact_stiffness_open", 1 / held[0, 0])]
-    names = {
-        1: ("voltage", "voltage_per_force", "charge_per_force", "stroke_per_volt", "blocked_force_per_volt",
-            "capacitance", "electric_edge_intensity"),
-        2: ("magnetic_potential", "magnetic_potential_per_force", "flux_per_force", "stroke_per_ampere",
-            "blocked_force_per_ampere", "permeance", "magnetic_edge_intensity"),
-    }  # fmt: skip
-    for place, i in enumerate(punch.conducted, 1):
-        uncharged = _inverse_tangent(punch, P, nothing)
-        grounded = -punch.screening[place - 1]
-        # below a conductor D = -r sigma + M^-1 (2/pi) V / sqrt(a^2 - s^2): its edge strength
-        potentials = matrix([answer[f"u{j}"] for j in punch.conducted])
-        strength = 2 / pi * lu_solve(punch.conducting, potentials)[place - 1] / a
+    named = {"contact_radius": a, "depth": depth}
+    if punch.exponent > 1:
+        named["peak_pressure"] = punch.central_pressure(a)
+    named |= {"contact_stiffness": stiff[0, 0], "contact_stiffness_open": 1 / held[0, 0]}
+    # below a conductor D = -r sigma + M^-1 (2/pi) V / sqrt(a^2 - s^2): its edge strength
+    strengths = 2 / pi * lu_solve(punch.conducting, matrix(potentials)) / a
+    capacities = -4 * a * inverse(punch.conducting)
+    for i, names in enumerate(_NAMES):
+        strength, r = strengths[i], punch.screening[i]
         if not punch.exponent:
-            strength += punch.screening[place - 1] * P / (2 * pi * a * a)
+            strength += r * P / (2 * pi * a * a)
         values = (
-            answer[f"u{i}"], uncharged[place, 0], grounded, -stiff[0, place] / stiff[0, 0], stiff[0, place],
-            -4 * a * inverse(punch.conducting)[place - 1, place - 1], sqrt(pi * a) * strength,
+            potentials[i], uncharged[i + 1, 0], -r, -stiff[0, i + 1] / stiff[0, 0], stiff[0, i + 1], capacities[i, i],
+            sqrt(pi * a) * strength,
         )  # fmt: skip
-        named += list(zip(names[i], values, strict=True))
+        named |= dict(zip(names, values, strict=True))
     return named
 
 
-def _inverse_tangent(punch: Punch, P: mpf, charges: dict[int, mpf]) -> matrix:
+def _inverse_tangent(punch: Punch, loads: Sequence[mpf]) -> matrix:
     """d(depth, potentials) / d(P, charges), by central differences."""
-    keys = ["depth", *(f"u{i}" for i in punch.conducted)]
-
-    def moved(cause: int, share: mpf) -> dict[str, mpf]:
-        if cause == 0:
-            return _answer(punch, P * (1 + share), charges)
-        i = punch.conducted[cause - 1]
-        return _answer(punch, P, charges | {i: charges[i] + share * _UNIT[i]})
-
-    sizes = [P, *(_UNIT[i] for i in punch.conducted)]
-    out = matrix(len(keys), len(keys))
-    for cause, size in enumerate(sizes):
-        ahead, behind = moved(cause, _STEP), moved(cause, -_STEP)
-        for row, key in enumerate(keys):
-            out[row, cause] = (ahead[key] - behind[key]) / (2 * _STEP * size)
+    out = matrix(3, 3)
+    for cause, size in enumerate((loads[0], *_UNITS)):
+        ahead, behind = (
+            _answer(punch, [load + sign * _STEP * size * (k == cause) for k, load in enumerate(loads)])
+            for sign in (1, -1)
+        )
+        for row in range(3):
+            out[row, cause] = (ahead[row] - behind[row]) / (2 * _STEP * size)
     return out

@@ -90,10 +90,10 @@ def angular_integrals(Q: Array, R: Array, T: Array) -> tuple[Array, Array]:
     return -S @ compliance, compliance
 
 
-def reduced(surface: SurfaceResponse, friction: float, conducted: tuple[int, ...] = (1, 2)) -> tuple[float, float]:
-    """lam [1/Pa] and alpha of a punch."""
-    fields, scale = [0, *conducted], np.array([1, 1e10, 1e8])
-    inverse_n = np.linalg.inv((surface.normal_compliance / np.outer(scale, scale))[np.ix_(fields, fields)])
+def reduced(surface: SurfaceResponse, friction: float) -> tuple[float, float]:
+    """lam [1/Pa] and alpha of a conducting punch."""
+    scale = UNITS[1:]
+    inverse_n = np.linalg.inv(surface.normal_compliance / np.outer(scale, scale))
     lam = 1 / inverse_n[0, 0]
-    kap = lam * inverse_n[0] @ (surface.shear_coupling / scale)[fields]
+    kap = lam * inverse_n[0] @ (surface.shear_coupling / scale)
     return lam, float(np.arctan2(1.0, -friction * kap / lam)) / np.pi

@@ -21,15 +21,15 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError, located
 from workflow.study.uncertainty import Constant, concerned, members, moved
 
-#: Posterior over prior standard deviation: above it nothing was learned, below it a combination is well known.
-UNTOLD, TOLD = 0.8, 0.5
+#: Posterior over prior standard deviation: above the first nothing is learned, below the second much is.
+UNDETERMINED, DETERMINED = 0.8, 0.5
 #: Odds for an explanation from which on it is real, and up to which none was seen.
 REAL, UNSEEN = 20.0, 3.0
-#: Probability from which on a value is named an outlier.
-NAMED = REAL / (1 + REAL)
-#: True over stated errors that are told: where the 95 % interval is beyond.
+#: Probability from which on a value is an outlier.
+OUTLIER = REAL / (1 + REAL)
+#: True over stated errors that are reported: where the 95 % interval is beyond.
 LARGER, SMALLER = 1.2, 0.8
-#: Rows below which no explanation is told from another: what is said of constants rests on the priors of all.
+#: Rows below which explanations are not distinguished: statements on constants rest on the priors of all.
 FEW = 10
 _COUNTED = (("rows", "row"), ("values", "measured value"))
 _RARE = 0.01  # chance of so few rows within their intervals from which on they disagree
@@ -60,8 +60,8 @@ def summarised(
         content |= {"discrepancies": [], "errors": [], "outliers": []}
     elif single.any():
         what = "single constants are off beside their families"
-        said = f"{what} ({_odds_said(posterior.own_odds)})"
-        verdict = _verdict(posterior.own_odds, said, f"not seen: {said}", f"neither shown nor excluded: {said}")
+        words = f"{what} ({_odds_text(posterior.own_odds)})"
+        verdict = _verdict(posterior.own_odds, words, f"not seen: {words}", f"neither shown nor excluded: {words}")
         content["single_constants_off"] = {"what": what, **verdict}
     return content | {"not_told_apart": _open(content)}
 
@@ -70,8 +70,8 @@ def in_words(content: Mapping[str, Any]) -> list[str]:
     """Return the results in words, a line each."""
     left = content["left_out"]
     constants = [*content["constants"], *content["single_constants"]]
-    moved = [c for c in constants if c["posterior_over_prior"] <= UNTOLD]
-    untold = [c["name"] for c in content["constants"] if c["posterior_over_prior"] > UNTOLD]
+    moved = [c for c in constants if c["posterior_over_prior"] <= UNDETERMINED]
+    undetermined = [c["name"] for c in content["constants"] if c["posterior_over_prior"] > UNDETERMINED]
     rows, values = (f"{content[key]} {word}{'s' * (content[key] > 1)}" for key, word in _COUNTED)
     lines = [f"{rows}, {values}"]
     for c in sorted(moved, key=lambda c: c["posterior_over_prior"]):
@@ -80,8 +80,8 @@ def in_words(content: Mapping[str, Any]) -> list[str]:
             f"prior {c['prior']})"
         )
     lines += [] if moved else ["no constant was learnt"]
-    if untold:
-        lines.append(f"not identifiable, as before the measurement: {', '.join(untold)}")
+    if undetermined:
+        lines.append(f"not identifiable, as before the measurement: {', '.join(undetermined)}")
     for c in content["known_together"]:
         lines.append(f"known only together, to {c['posterior_over_prior']:.2f} of the prior: {c['combination']}")
     lines += [content["single_constants_off"]["verdict"]] if "single_constants_off" in content else []
@@ -106,8 +106,8 @@ def in_words(content: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _odds_said(odds: float) -> str:
-    """Odds in words, never more than as many draws as there are can tell."""
+def _odds_text(odds: float) -> str:
+    """Return odds in words, at most as many as there are draws."""
     if odds > ROUNDS:
         return f"more than {ROUNDS} to 1"
     return f"less than 1 to {ROUNDS}" if odds < 1 / ROUNDS else f"odds {odds:.2g} to 1"
@@ -131,11 +131,11 @@ def _constants(posterior: Learnt, constants: list[Constant]) -> list[dict[str, A
 
 
 def _combinations(posterior: Learnt, constants: list[Constant]) -> list[dict[str, Any]]:
-    """Directions that the rows know well though no constant in them is known alone."""
+    """Return combinations of constants that the rows determine, though no constant in them alone."""
     known = []
     for contraction, direction in zip(posterior.directions[0], posterior.directions[1].T, strict=True):
         parts = np.flatnonzero(np.abs(direction) > 0.3)
-        if contraction < TOLD and len(parts) > 1 and posterior.contraction[parts].min() > TOLD:
+        if contraction < DETERMINED and len(parts) > 1 and posterior.contraction[parts].min() > DETERMINED:
             sign = np.sign(direction[parts[np.abs(direction[parts]).argmax()]])
             words = [f"{sign * direction[k]:+.2f} {constants[k].name}" for k in parts]
             known.append({"combination": " ".join(words), "posterior_over_prior": float(contraction)})
@@ -154,7 +154,7 @@ def _discrepancy(
         mean, by_constants, _ = discrepancy.at(discrepancy.points)
         values.append(mean - by_constants @ draw.mean)
     share = float(np.sqrt(np.mean(np.mean(values, axis=0) ** 2))) / size if size else 0.0
-    said, percent = _odds_said(posterior.odds[q]), f"{100 * share:.2g} % of its size"
+    said, percent = _odds_text(posterior.odds[q]), f"{100 * share:.2g} % of its size"
     verdict = _verdict(
         posterior.odds[q],
         f"a discrepancy that no constant explains is real ({said}), {percent}",
@@ -174,26 +174,26 @@ def _errors(posterior: Learnt, model: GaussianProcess, q: int) -> dict[str, Any]
 
 
 def _outliers(posterior: Learnt, rows: Measurements, model: GaussianProcess) -> list[dict[str, Any]]:
-    """Values that do not belong to the others, each with its row."""
-    named = []
-    for k in np.flatnonzero(posterior.wild > NAMED).tolist():
+    """Return the outliers with their rows."""
+    outliers = []
+    for k in np.flatnonzero(posterior.wild > OUTLIER).tolist():
         row, output = int(rows.row[k]) + 1, model.outputs_[rows.output[k]]
         deviation = float((rows.value[k] - posterior.left_out[0][k]) / posterior.left_out[1][k])
         odds = float(posterior.wild[k] / max(1 - posterior.wild[k], 1e-12))
         verdict = (
-            f"row {row}, {output}: an outlier ({_odds_said(odds)}), {deviation:+.1f} standard deviations from what the "
+            f"row {row}, {output}: an outlier ({_odds_text(odds)}), {deviation:+.1f} standard deviations from what the "
             "other rows say; it counts for little"
         )
-        named.append(
+        outliers.append(
             {"row": row, "output": output, "away": deviation, "odds": min(odds, float(ROUNDS)), "verdict": verdict}
         )
-    return named
+    return outliers
 
 
 def _open(content: dict[str, Any]) -> list[str]:
-    """Explanations that the rows do not decide between."""
+    """Return explanations that the rows neither show nor exclude."""
     unresolved = [
-        f"a discrepancy of {row['output']} ({_odds_said(row['odds'])})"
+        f"a discrepancy of {row['output']} ({_odds_text(row['odds'])})"
         for row in content["discrepancies"]
         if UNSEEN <= row["odds"] <= REAL
     ]
@@ -204,21 +204,21 @@ def _open(content: dict[str, Any]) -> list[str]:
     ]
     singles = content.get("single_constants_off")
     if singles and UNSEEN <= singles["odds"] <= REAL:
-        unresolved.append(f"{singles['what']} ({_odds_said(singles['odds'])})")
+        unresolved.append(f"{singles['what']} ({_odds_text(singles['odds'])})")
     return unresolved
 
 
 def _left_out(posterior: Learnt, rows: Measurements, nominal: Array) -> dict[str, Any]:
-    """Return the errors of predicting every row from the others, and the surrogate's before; without outliers."""
+    """Return the errors of predicting every row from the others, over the surrogate's before; without outliers."""
     predicted, std = posterior.left_out
-    usual = posterior.wild <= NAMED
+    regular = posterior.wild <= OUTLIER
     reach = float(Normal().ends(NOMINAL)[1, 0])
     after, before = np.abs(rows.value - predicted), np.abs(rows.value - nominal)
-    inside = (after <= reach * std)[usual]
+    inside = (after <= reach * std)[regular]
     ratios = []
     for q in rows.outputs:
         k = rows.of(q)
-        k = k[usual[k]]
+        k = k[regular[k]]
         ratios.append(np.sqrt(np.mean(after[k] ** 2) / np.mean(before[k] ** 2)) if len(k) else 1.0)
     chance = float(bdtr(inside.sum(), len(inside), NOMINAL))
     share = float(np.mean(inside)) if len(inside) else 0.0
@@ -229,7 +229,7 @@ _WRONG_UNIT = 30.0  # measured over predicted values, as a factor, by which no c
 _TURNED = 0.9  # share of readings with the opposite sign from which the sign is the instrument's
 _VAGUE = 1e9  # an error of measurement over the largest value: beyond it a row says nothing, and squares overflow
 _PRIOR_STEP = 0.25  # prior standard deviations, of the difference that a derivative is taken from
-_STALE = {True: 1.0, False: 0.1}  # how far constants may move until derivatives are taken anew; films: True
+_STALE = {True: 1.0, False: 0.1}  # largest move of constants before derivatives are taken anew; films: True
 _TOLERANCE = {True: 0.1, False: 0.02}  # over the range of every quantity, for the levels
 _BUDGET, _MOST_LEVELS = 20_000, 6
 _MOST_TABLES = 2000  # of films, 0.1 to 0.5 s each
@@ -320,7 +320,7 @@ Variables = dict[str, xr.Variable]
 
 
 class ConstantEffects:
-    """Changes of all outputs of a surrogate when constants move, as surrogates over the same box."""
+    """Changes of all outputs of a surrogate by its constants, as surrogates over the same box."""
 
     def __init__(
         self,
@@ -340,23 +340,24 @@ class ConstantEffects:
             )
         say(f"effects of {solved} constants: exact on {self.cases} cases each")
         self._start = self._exact(np.zeros(len(constants)))
-        self._at, self._slopes = np.zeros(len(constants)), self._differences(np.zeros(len(constants)), self._start)
+        self._centre = np.zeros(len(constants))
+        self._slopes = self._differences(self._centre, self._start)
         self._latest: tuple[Array, GridGP] | None = None
         self.error = self._judged()
 
     @property
     def cases(self) -> int:
-        """Cases that are solved for every constant."""
+        """Number of cases that are solved for every constant."""
         return int(np.prod([len(level) for level in self._levels.values()])) * len(self._study.combinations)
 
     def at(self, z: Array) -> GridGP:
-        """The change of every output at scaled constants, then its derivative by each unknown, for every output."""
+        """Return surrogates of each output's change at scaled constants, then of its derivatives by each of them."""
         if self._latest is not None and np.array_equal(z, self._latest[0]):
             return self._latest[1]
         exact = self._exact(z) if np.any(z) else self._start
-        if np.abs(z - self._at).max() > _STALE[bool(self._study.tabled)]:
+        if np.abs(z - self._centre).max() > _STALE[bool(self._study.tabled)]:
             self._say("the constants have moved: their effects anew")
-            self._at, self._slopes = z.copy(), self._differences(z, exact)
+            self._centre, self._slopes = z.copy(), self._differences(z, exact)
         parts = {}
         for name in self._model.outputs_:
             parts[f"{name}: change"] = exact[name] - self._start[name]
@@ -373,7 +374,7 @@ class ConstantEffects:
         return _variables(factorial.training_data(self._study, factorial.exact(study, dict(self._levels))))
 
     def _differences(self, z: Array, exact: Variables) -> list[Variables]:
-        """Derivatives of all outputs by every scaled constant, zero where it has no part."""
+        """Return the derivatives of all outputs by every scaled constant."""
         differences: dict[str, Variables] = {}
         solved = [constant for constant in self._constants if not self._parts(constant)]
         for number, constant in enumerate(solved, 1):
@@ -400,13 +401,13 @@ class ConstantEffects:
         return [differences[constant.name] for constant in self._constants]
 
     def _parts(self, constant: Constant) -> list[Constant]:
-        """The members of a family, where all of them are uncertain too, each for itself."""
+        """Return the members of a family if each of them is uncertain as well, else nothing."""
         names = members(find(constant.material, self._study.own_materials), constant.family)
         parts = [other for other in self._constants if other.material == constant.material and other.family in names]
         return parts if len(parts) == len(names) else []
 
     def _judged(self) -> Array:
-        """Standard deviation of what the effects leave at random cases, all constants one prior deviation off, (p,)."""
+        """Return the effects' RMS error at random cases, all constants one prior deviation off, (output,)."""
         random = np.random.default_rng(0)
         z = random.choice([-1.0, 1.0], len(self._constants))
         shifted = self._exact(z)
@@ -420,7 +421,7 @@ class ConstantEffects:
 
 
 def _levels(study: Study, model: GaussianProcess) -> dict[str, Array]:
-    """Levels of every factor, tabled ones first, as many as the surrogate's own outputs ask for."""
+    """Return the levels of every factor, tabled ones first, as many as the surrogate's outputs need."""
     films = bool(study.tabled)
     with located(f"{study.path}: effects of constants need too many cases", UnreachableError):
         pilot = explore(
@@ -431,10 +432,10 @@ def _levels(study: Study, model: GaussianProcess) -> dict[str, Array]:
 
 
 def _variables(data: xr.Dataset) -> Variables:
-    """The outputs as arrays with named dimensions alone: hundreds of them are subtracted, all on the same levels."""
+    """Return outputs as variables, which subtract faster than arrays; all have the same levels."""
     return {str(name): array.variable for name, array in data.data_vars.items()}
 
 
 def _expanded(solved: xr.Dataset, held: dict[str, str]) -> xr.Dataset:
-    """Cases of some categories' names with these categories as dimensions again."""
+    """Return cases at fixed names of categories, with these categories as dimensions."""
     return solved.drop_vars(list(held), errors="ignore").expand_dims({name: [value] for name, value in held.items()})

@@ -1,4 +1,4 @@
-"""Largest stresses of a study by the curves they follow from: the solver's statements in the surrogate's words."""
+"""Surrogates of a study's largest stresses by the curves that they follow from."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -20,12 +20,11 @@ from workflow.study import categories
 from workflow.study.categories import output
 from workflow.study.model import Study
 
-# Of the tolerance: what the basis of the curves and the compression of its scores may take.
-_SHARE = 1e-2
+_SHARE = 1e-2  # share of the tolerance for the basis of the curves and the compression of its scores
 
 
 def model(study: Study, compression: float, by: Grouping | None = None) -> CurveGP:
-    """The process, not fitted, of a study that learns curves."""
+    """Return the process, not fitted, of a study that learns curves."""
     curves: list[Curves] = []
     largest: dict[str, Largest] = {}
     attrs: dict[str, dict[str, str]] = {}
@@ -40,13 +39,10 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
                     place = region.fields.index(peak.place) if peak.place else -1
                     output_name = output(quantity, combination)
                     largest[output_name] = Largest(len(curves) - 1, peak.measure, place)
-                    described = ALL_QUANTITIES[quantity]
-                    words = (
-                        f"{described.long_name}, {categories.named(combination)}"
-                        if combination
-                        else described.long_name
-                    )
-                    attrs[output_name] = {"units": described.units, "long_name": words}
+                    names = f", {categories.named(combination)}" if combination else ""
+                    described_peak = ALL_QUANTITIES[quantity]
+                    words = described_peak.long_name + names
+                    attrs[output_name] = {"units": described_peak.units, "long_name": words}
     inputs = factorial.inputs(study)
     scalings = dict(by.scalings) if by else {}
     for combination in study.combinations if by else ():
@@ -65,7 +61,7 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
 
 
 def joined(study: Study, quantities: xr.Dataset, slabs: Sequence[str]) -> xr.Dataset:
-    """Quantities of the factorial with the curves of its slabs, which may be none."""
+    """Return the quantities of the factorial, with the curves of its slabs if the study learns any."""
     if not study.regions:
         return quantities
     parts = [read_whole(Path(slab), names=_names(study)) for slab in slabs]
@@ -87,7 +83,7 @@ def training_data(study: Study, data: xr.Dataset) -> xr.Dataset:
 
 
 def _names(study: Study) -> list[str]:
-    """Variables of the slabs that are learned beside quantities: sizes, and the fields of all regions."""
+    """Return the learned variables of the slabs that are no quantities: sizes, and fields of all regions."""
     return [*_sizes(study), *(name for region in study.regions for name in described(region))]
 
 

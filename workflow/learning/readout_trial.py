@@ -1,4 +1,4 @@
-"""Read-out: from measured potentials back to load and friction, and how often the intervals hold."""
+"""Trial of a read-out: factors inferred from measured quantities, and the coverage of their intervals."""
 
 import numpy as np
 import xarray as xr
@@ -11,8 +11,6 @@ from workflow.dataset import factorial
 from workflow.study.categories import output
 from workflow.study.model import Study
 from workflow.study.sections import Readout, error
-
-_LEVEL = NOMINAL  # of the intervals
 
 
 def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
@@ -37,7 +35,7 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
         np.stack([getattr(posterior, key) for posterior in estimates], -1) for key in ("mean", "low", "high")
     )
     dims = ("factor", "case")
-    left = [(axis.to_unit(b) - axis.to_unit(a)) / (2 * _LEVEL) for axis, a, b in zip(inputs, low, high, strict=True)]
+    left = [(axis.to_unit(b) - axis.to_unit(a)) / (2 * NOMINAL) for axis, a, b in zip(inputs, low, high, strict=True)]
     return xr.Dataset(
         {
             "true": (dims, true),
@@ -53,6 +51,6 @@ def trial(study: Study, readout: Readout, model: GaussianProcess) -> xr.Dataset:
 
 
 def _errors(readout: Readout, values: Array) -> Array:
-    """Standard deviations of measurements with some values, (n, m)."""
+    """Return the standard deviations of measured values, (n, m)."""
     parts = [error(name, text) for name, text in readout.measured.items()]
     return np.stack([absolute + share * np.abs(values[:, k]) for k, (absolute, share) in enumerate(parts)], -1)

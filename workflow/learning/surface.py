@@ -1,8 +1,7 @@
 """Surface fields under the punch as a surrogate: their regular parts over the factors and an angle.
 
-Under the punch X = -cos(angle). What remains of a field without its edge behaviour is smooth in the angle, and this is
-all that the statistics see: the square-root singular fields times sqrt(1 - X^2), and the pressure over
-(1 - X)^alpha (1 + X)^(1 - alpha). The weights that give the fields back need only X and the pressure exponent alpha.
+Under the punch X = -cos(angle). Regular parts are smooth in the angle: square-root singular fields times
+sqrt(1 - X^2), and the pressure over (1 - X)^alpha (1 + X)^(1 - alpha), alpha the pressure exponent.
 """
 
 from typing import Any
@@ -26,15 +25,11 @@ from workflow.study.model import Study
 NAMES = ("contact_pressure", "electric_displacement_y", "magnetic_induction_y", "stress_xx")
 ANGLE = Input("angle", 0.0, np.pi, "linear", "rad", "angle of the position under the punch, X = -cos(angle)")
 _CASES_AT_ONCE = 100  # random cases that are solved at once
-# cases for calibration at most: every one takes as many positions as its block has cases
-_CALIBRATION = 3000
+_CALIBRATION = 3000  # most cases for calibration: each takes as many positions as its block has cases
 
 
 def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
-    """Return the singular factor of every regular part, over ``position`` and the exponent's dimensions.
-
-    X: (position,), positions over the half-width, |X| < 1.
-    """
+    """Return the singular factors of regular parts at X, (position,), |X| < 1, and over the exponent's dimensions."""
     if (np.abs(X) >= 1).any():
         raise ValueError(f"positions: {X[np.abs(X) >= 1][0]:g} is not under the punch, |X| < 1")
     positions = xr.DataArray(X, dims="position", coords={"position": X})
@@ -44,13 +39,13 @@ def weights(X: Array, exponent: xr.DataArray) -> dict[str, xr.DataArray]:
 
 
 def fit(study: Study) -> GaussianProcess:
-    """Gaussian process of the regular parts, on the study's factorial and its Chebyshev angles; calibrated."""
+    """Fit and calibrate a Gaussian process of the regular parts, on the factorial and Chebyshev angles."""
     angles, levels = ANGLE.levels(study.surrogate.fields), factorial.levels(study)
     inputs, allowed = [*factorial.inputs(study), ANGLE], training.compression(study)
     model: GaussianProcess
     if study.groups:
         over = representatives.factors(study, levels)
-        data = _regular(study, dict(over), angles).assign_coords({**{name: levels[name] for name in levels}, **over})
+        data = _regular(study, dict(over), angles).assign_coords({**levels, **over})
         grouping = similar.grouping(
             study, inputs, [*factorial.axis_inputs(study), ANGLE], {name: name for name in NAMES}
         )
@@ -62,13 +57,13 @@ def fit(study: Study) -> GaussianProcess:
 
 
 def cases(study: Study, count: int, number: int) -> xr.Dataset:
-    """Random exact regular parts: factors, ``angle`` and the fields over dimension ``case``."""
+    """Return random exact regular parts: factors, ``angle`` and the fields over dimension ``case``."""
     random = np.random.default_rng([study.validation.seed, number])
     inputs = [*factorial.inputs(study), ANGLE]
     columns = {input_.name: input_.from_unit(random.uniform(-1, 1, count)) for input_ in inputs}
     points = {name: xr.DataArray(column, dims="case") for name, column in columns.items()}
     parts = []
-    # the solver takes the same positions for all cases that it is given: of a block's square, the diagonal is wanted
+    # the solver takes the same positions for all cases: of each block only the diagonal is used
     for block in np.array_split(np.arange(count), -(-count // _CASES_AT_ONCE)):
         axes = {input_.name: points[input_.name][block] for input_ in inputs[:-1]}
         square = _regular(study, axes, columns["angle"][block])
@@ -77,7 +72,7 @@ def cases(study: Study, count: int, number: int) -> xr.Dataset:
 
 
 def validate(study: Study, model: GaussianProcess) -> xr.Dataset:
-    """Errors and coverage of the regular parts on exact cases that neither training nor calibration has seen."""
+    """Return errors and coverage of the regular parts on exact cases of neither training nor calibration."""
     fresh = cases(study, study.validation.cases, 5)
     table = validation.validate(model, fresh, None)
     units = xr.DataArray([FIELDS[name].units for name in NAMES], dims="output")
@@ -129,7 +124,7 @@ def predict(fields: GaussianProcess, quantities: GaussianProcess, points: dict[s
 
 
 def _regular(study: Study, axes: dict[str, Any], angles: Array) -> xr.Dataset:
-    """Exact regular parts over the axes' dimensions and ``angle``."""
+    """Return exact regular parts over the axes' dimensions and ``angle``."""
     X = -np.cos(angles)
     out = solve({**study.fixed, **axes}, X, materials=study.own_materials, phases=study.phases, regular=True)
     parts = {name: out[f"{name}_regular"] for name in NAMES[1:]}

@@ -1,4 +1,4 @@
-"""Both times side by side: the exact solver and the surrogate on the same cases, measured now on this machine."""
+"""Times of the exact solver and of the surrogate on the same cases, measured on this machine."""
 
 from collections.abc import Callable
 from timeit import repeat, timeit
@@ -18,7 +18,7 @@ _SEARCHED, _FILMS, _IN_SPACE = 200, 8, 3
 
 
 def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> dict[str, float]:
-    """Seconds of an exact random case, of training and of a query; those of films include tables that are made anew."""
+    """Return the seconds of an exact random case, of training and of a query; films include their tables."""
     points = {name: cases[name] for name in study.factors}
     X = np.stack([array.values for array in points.values()], -1)
     plain = study.model_copy(update={"dataset": study.dataset.model_copy(update={"peaks": False})})
@@ -46,25 +46,21 @@ def timing(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: Gauss
 
 
 def by_quantity(study: Study, times: dict[str, float]) -> list[dict[str, float | str]]:
-    """Return the time of an exact answer and of a surrogate's, with its interval, for every output, and their ratio.
-
-    Asking for one quantity costs as much as asking for all of its kind: the closed-form ones come together, and so do
-    those that are searched for over the body.
-    """
+    """Return the times of an exact answer and of a surrogate's with its interval, and their ratio, for every output."""
     query = times["surrogate_mean_std_per_query"]
     rows: list[dict[str, float | str]] = []
-    for name in study.outputs:
+    for name in study.outputs:  # one quantity costs as much as all of its kind
         exact = times["exact_per_searched_case" if name in ALL_PEAKS else "exact_per_scattered_case"]
         rows.append({"name": name, "exact": exact, "surrogate": query, "ratio": exact / query})
     return rows
 
 
 def _once(action: Callable[[], object]) -> float:
-    """The first run, in which tables are made [s]."""
+    """Return the time of the first run, in which tables are made [s]."""
     return timeit(action, number=1)
 
 
 def seconds(action: Callable[[], object], repeats: int = 3) -> float:
-    """The least time of a few runs, after one that warms up [s]."""
+    """Return the least time of a few runs, after one that warms up [s]."""
     action()
     return min(repeat(action, number=1, repeat=repeats))

@@ -14,21 +14,19 @@ from workflow.dataset import batches, factorial
 from workflow.learning import curves
 from workflow.study.model import Study
 
-#: Error allowed to the compressed mean of a cross approximation, of its tolerance.
+#: Allowed error of the compressed mean of a cross approximation over its tolerance.
 COMPRESSION = 0.02
 
 
 def compression(study: Study) -> float:
-    """Error allowed to the compressed mean: far below the tolerance, but no smaller, since lower ranks answer faster.
-
-    A film has two dozen outputs on each base; with a smaller error the ranks of their train would be some hundreds.
-    """
+    """Return the allowed error of the compressed mean: far below the tolerance, but larger ranks answer slower."""
     allowed = 1e-3 * study.validation.tolerance
+    # two dozen outputs of a film on each base would need ranks of some hundreds for less
     return allowed if study.kind.tabled else min(1e-9, allowed)
 
 
 def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
-    """Gaussian process of the study's outputs on its factorial, or on what a cross approximation asked for of it."""
+    """Fit a Gaussian process of the study's outputs on its factorial, or on the cases of a cross approximation."""
     data, by = curves.training_data(study, quantities), None
     if study.groups:
         data = factorial.with_factors(study, data)
@@ -48,7 +46,7 @@ def fit(study: Study, quantities: xr.Dataset) -> GaussianProcess:
 
 
 def _crossing(study: Study) -> CrossGP:
-    """The cross approximation of a study, which asks for places before it is fitted."""
+    """Return the cross approximation of a study, which asks for places before it is fitted."""
     return CrossGP(
         factorial.axis_inputs(study),
         {name: axis.levels or 0 for name, axis in study.axes.items()},
@@ -71,7 +69,7 @@ def places(study: Study, solved: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def validate(study: Study, quantities: xr.Dataset, cases: xr.Dataset, model: GaussianProcess) -> xr.Dataset:
-    """Errors on random exact cases that the model never saw, beside plain tensor Chebyshev interpolation of a grid."""
+    """Return errors on random exact cases, and those of plain tensor Chebyshev interpolation of a grid."""
     points = {name: cases[name] for name in study.factors}
     cases, quantities = (factorial.training_data(study, data) for data in (cases, quantities))
     by = groups_of(model)

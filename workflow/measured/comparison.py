@@ -21,20 +21,20 @@ from workflow.study.sections import UNITS, Measurement, ModelQuantity, ModelValu
 Case = Mapping[str, float | str]
 _ROUNDING = 1e-12  # relative difference that is none
 _COMPOSITION = {"material", "composite", *COMPOSITES.values()}  # factors that state the material
-_MORE = 10.0  # how many times the force, and charges per force, by which a response is compared
+_FACTOR = 10.0  # of the force, and of the charge per force, by which responses are compared
 
 
 @dataclass(frozen=True)
 class Spread:
-    """A value of the model, and how far other published constants of the material move it."""
+    """A value of the model, and its change by other published constants of the material."""
 
-    value: float  # By the material's own constants, SI
-    deviation: float  # Largest difference that an alternative set of constants makes, taken as a standard deviation
-    sets: int  # Number of the alternative sets
+    value: float  # by the library's constants, SI
+    deviation: float  # largest difference by an alternative set of constants, taken as a standard deviation
+    sets: int  # number of alternative sets
 
 
 def modelled(entry: ModelValue) -> Spread:
-    """The model's value and its spread over the material's published alternatives."""
+    """Return the model's value and its spread over the material's published alternatives."""
     material, answer = entry.material, _ANSWERS[entry.quantity]
     case = {name: value for name, value in entry.case.items() if name not in _COMPOSITION}
     try:
@@ -55,10 +55,7 @@ def _charge_per_force(material: Material, case: Case) -> float:
 
 
 def _pad_stroke_per_volt(material: Material, case: Case) -> float:
-    """Displacement at the middle of a driven pad, over its voltage: by reciprocity the pad's charge per force.
-
-    Positive where the front moves as that of a film on a rigid base does.
-    """
+    """Stroke at the middle of a driven pad, by reciprocity its charge per force; positive as on a rigid base."""
     return -float(np.sign(material.e33)) * float(_solved(material, case)["patch_charge_per_force"])
 
 
@@ -84,14 +81,14 @@ def _indentation_exponent(material: Material, case: Case) -> float:
 
 def _response_under_load(material: Material, case: Case) -> float:
     """Stroke per volt at ten times the force, over that at the force."""
-    forces = (float(case["force"]), _MORE * float(case["force"]))
+    forces = (float(case["force"]), _FACTOR * float(case["force"]))
     low, high = (float(_solved(material, case, force=force)["stroke_per_volt"]) for force in forces)
     return high / low
 
 
 def _stiffness_under_charge(material: Material, case: Case) -> float:
     """Contact stiffness of a charged punch over that of one at zero charge."""
-    charge = _MORE * _charge_per_force(material, case) * float(case["force"])
+    charge = _FACTOR * _charge_per_force(material, case) * float(case["force"])
     low, high = (float(_solved(material, case, total_charge=total)["contact_stiffness"]) for total in (0.0, charge))
     return high / low
 
@@ -151,12 +148,10 @@ def compared(measurements: Mapping[str, Measurement]) -> list[Row]:
 
 
 def valued(row: Measurement, entry: ModelValue, spread: Spread) -> Row:
-    """A value of the model in the row's unit.
-
-    ``off`` is model less measured over the standard deviation of both; None where no value or no error is published.
-    """
+    """Return a value of the model in the row's unit."""
     scale = UNITS[row.unit]
     value, deviation = spread.value / scale, spread.deviation / scale
+    # over the standard deviation of both; None where no value or no error is published
     off = None if row.value is None or row.error is None else (value - row.value) / hypot(row.error, deviation)
     return {
         "quantity": quantity_name(entry),
@@ -169,7 +164,7 @@ def valued(row: Measurement, entry: ModelValue, spread: Spread) -> Row:
 
 
 def quantity_name(entry: ModelValue) -> str:
-    """Quantity in words, with the diameter of its pad."""
+    """Return the quantity in words, with the diameter of its pad."""
     words = entry.quantity.replace("_", " ")
     if "patch_size" not in entry.case:
         return words
@@ -178,7 +173,7 @@ def quantity_name(entry: ModelValue) -> str:
 
 
 def _material_name(entry: ModelValue) -> str:
-    """Name of a material, or of an alloy with its composition."""
+    """Return the name of a material, or of an alloy with its composition."""
     if "material" in entry.case:
         return str(entry.case["material"])
     composite = str(entry.case["composite"])
@@ -187,7 +182,7 @@ def _material_name(entry: ModelValue) -> str:
 
 
 def dataset(rows: Sequence[Row]) -> xr.Dataset:
-    """Numbers and verdicts of the rows, SI; NaN where a row has none, of several values of the model the first."""
+    """Return numbers and verdicts of the rows, SI; NaN without a number, and the first of several model values."""
     scale = np.array([UNITS[row["unit"]] for row in rows])
     first = [row["model"][0] if row["model"] else {} for row in rows]
     numbers = {
@@ -206,7 +201,7 @@ def dataset(rows: Sequence[Row]) -> xr.Dataset:
 
 
 def _column(rows: Sequence[Row], key: str, kind: type = float) -> np.ndarray[Any, Any]:
-    """One entry of every row; of numbers NaN where there is none."""
+    """Return one entry of every row, (row,); NaN where there is no number."""
     return np.array([row.get(key) for row in rows], dtype=kind)
 
 
@@ -224,7 +219,7 @@ _MEANINGS = {
 
 
 def judged(row: Measurement, model: Sequence[Row], rivals: Sequence[Row] = ()) -> tuple[Word, str]:
-    """The verdict on a row in a word, and its reason in a sentence without a full stop."""
+    """Return the verdict on a row in a word, and its reason in a sentence without a full stop."""
     if row.value is None:
         return "predicted", "no measurement is known"
     if row.open:

@@ -1,4 +1,4 @@
-"""The drawing to scale of a design: the punch on its body whole, and its contact magnified; from the numbers."""
+"""The drawing to scale of a design: the whole punch on its body, and its contact magnified."""
 
 from dataclasses import dataclass
 
@@ -35,23 +35,19 @@ _BOTH_ENDS = f'stroke="{INK}" stroke-width="1.6" marker-start="url(#tip)" marker
 class Device:
     """A punch on its body, in SI units."""
 
-    # Shape of the punch and the side of its sharp edge, as the interface names them
-    profile: str
-    corner: str
-    # Radius of a circle or ball, width of a flat punch or disc, slope of a wedge or cone, coefficient of a power
-    size: float
-    # Extents of the contact; of a point both are its radius
-    trailing: float
+    profile: str  # as the interface names it
+    corner: str  # side of the sharp edge
+    size: float  # radius, width of a flat punch or disc, slope of a wedge or cone, or coefficient of a power
+    trailing: float  # extents of the contact; of a point both are its radius
     leading: float
-    load: float  # Load per length, or the force on a point
-    conducts: bool = True  # Whether the punch is an electrode
-    # Of a film: thickness, its base in words, and whether an electrode lies between them; None on what has no end
-    thickness: float | None = None
-    base: str = ""
-    grounded: bool = False
-    exponent: float = 1.0  # Of the profile of a power
-    slides: bool = False  # Whether it has friction
-    top: str = "film"  # What the thickness is of
+    load: float  # per length, or the force on a point
+    conducts: bool = True  # whether the punch is an electrode
+    thickness: float | None = None  # of a film; None on a half-space or half-plane
+    base: str = ""  # of a film, in words
+    grounded: bool = False  # whether an electrode lies between film and base
+    exponent: float = 1.0  # of the profile of a power
+    slides: bool = False  # whether there is friction
+    top: str = "film"  # name of the layer with the thickness
 
     @property
     def point(self) -> bool:
@@ -60,7 +56,7 @@ class Device:
 
     @property
     def pressed(self) -> str:
-        """The load in words."""
+        """Load in words."""
         return shown(self.load, FACTORS[CONTACTS[PROFILES[self.profile].contact].force].units, 3)
 
     @property
@@ -76,7 +72,7 @@ class Device:
         return self.size / 2 if self.profile in _FLAT else self.size
 
     def heights(self, x: Array) -> Array:
-        """Height of the punch's face over its lowest point [m]; NaN outside the punch."""
+        """Return the height of the punch's face over its lowest point [m], (x,); NaN outside the punch."""
         if self.profile in _FLAT:
             return np.where(np.abs(x) <= self.size / 2, 0.0, np.nan)
         if self.profile in _POWERS:
@@ -90,7 +86,7 @@ class Device:
         return np.where(inside, self.size - np.sqrt(np.maximum(self.size**2 - ahead**2, 0.0)), np.nan)
 
     def _ahead(self, x: Array) -> Array:
-        """Distance from the sharp edge, towards the other edge."""
+        """Return the distance from the sharp edge towards the other edge [m], (x,)."""
         return x + self.leading if self.corner == "leading" else self.trailing - x
 
     @property
@@ -116,7 +112,7 @@ class Device:
 
 
 def draw(device: Device, title: str) -> str:
-    """The drawing as SVG, of two parts: the punch whole, and its contact."""
+    """Return the drawing as SVG with two parts, the whole punch and its contact."""
     whole, near = _dimensions(device)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-size="14">',
@@ -129,7 +125,7 @@ def draw(device: Device, title: str) -> str:
 
 
 def _placed(left: int, right: int, parts: list[str]) -> list[str]:
-    """One part of the drawing between two places, which a page may set below the other."""
+    """Return one part of the drawing from `left` to `right`, which a page may set below the other."""
     size = f'width="{right - left}" height="{_HEIGHT}"'
     return [
         f'<svg class="part" x="{left}" {size} viewBox="0 0 {right - left} {_HEIGHT}" font-size="14">',
@@ -143,7 +139,7 @@ def _placed(left: int, right: int, parts: list[str]) -> list[str]:
 
 
 def _part(device: Device, ends: tuple[float, float], scale: float) -> list[str]:
-    """Body and punch between two places of the picture, with its middle under the contact's, to scale."""
+    """Return body and punch to scale between two places of the picture, whose middle is the contact's."""
     left, right = ends
     middle = (device.trailing - device.leading) / 2
     parts = [f'<rect x="{left}" y="{_SURFACE}" width="{right - left}" height="{_LOW - _SURFACE}" fill="{BODY}"/>']
@@ -174,7 +170,7 @@ def _part(device: Device, ends: tuple[float, float], scale: float) -> list[str]:
 
 
 def _edges(device: Device) -> Array:
-    """Positions of the punch's sharp edges [m], just inside."""
+    """Return the positions of the punch's sharp edges [m], just inside."""
     inside = 1 - 1e-9
     if device.profile in _FLAT:
         return np.array([-0.5, 0.5]) * device.size * inside
@@ -182,7 +178,7 @@ def _edges(device: Device) -> Array:
 
 
 def _loads(device: Device) -> list[str]:
-    """Load and direction of sliding, beside the whole punch."""
+    """Return load and direction of sliding, beside the whole punch."""
     left, middle = _WHOLE[0] + 4, sum(_WHOLE) / 2
     parts = [_line(middle, 4, middle, 38, BAD, 1.6, tip=True), _text(middle + 8, 16, device.pressed, BAD, "start")]
     if device.slides:
@@ -191,14 +187,14 @@ def _loads(device: Device) -> list[str]:
 
 
 def _dimensions(device: Device) -> tuple[list[str], list[str]]:
-    """Numbers of either part: radius or width; contact and thickness, and the magnification."""
+    """Return the numbers of both parts: radius or width; contact, thickness and magnification."""
     middle, near = sum(_WHOLE) / 2, sum(_NEAR) / 2
     half = device.contact * device._near_scale / 2
     name = _SIZES.get(device.profile, "R = ")
     size = number(device.size, 3) if device.profile in _ENDLESS else shown(device.size, "m", 3)
     extent = f"a = {shown(device.trailing, 'm', 3)}" if device.point else shown(device.contact, "m", 3)
     whole = [
-        _sized(device, middle, name + size),
+        _size_text(device, middle, name + size),
         _text(_WHOLE[0], _HEIGHT - 10, "to scale", SOFT, "start"),
         *_bar(device._whole_scale),
     ]
@@ -222,8 +218,8 @@ def _dimensions(device: Device) -> tuple[list[str], list[str]]:
     ]
 
 
-def _sized(device: Device, middle: float, words: str) -> str:
-    """The size of the punch: in it, or beside the sharp edge of a half cylinder, in which there is no room."""
+def _size_text(device: Device, middle: float, words: str) -> str:
+    """Return the punch's size as text: within it, or beside the sharp edge of a half cylinder, which has no room."""
     if device.profile not in _CORNERED:
         return _text(middle, _SURFACE - 50, words)
     side = -1 if device.corner == "leading" else 1  # of the edge
@@ -234,7 +230,7 @@ def _sized(device: Device, middle: float, words: str) -> str:
 
 
 def _extent(device: Device, near: float, words: str) -> str:
-    """The size of the contact: over it, or beside a punch that is narrower than the words."""
+    """Return the contact's size as text: above it, or beside a punch that is narrower than the words."""
     half = device.reach * device._near_scale
     if device.profile in _CORNERED or 2 * half > _LETTER * len(words):
         return _text(near, _SURFACE - 24, words)
@@ -242,7 +238,7 @@ def _extent(device: Device, near: float, words: str) -> str:
 
 
 def _bar(scale: float) -> list[str]:
-    """A bar of 10 mm beside the words, or of as many times ten as can be seen, which says how large the punch is."""
+    """Return a scale bar of 10 mm, or of a visible power of ten times that."""
     length = 0.01
     while length * scale > _BAR[1]:
         length /= 10
@@ -262,7 +258,7 @@ def _line(
 
 
 def _span(x0: float, x1: float, y: float) -> str:
-    """A dimension line."""
+    """Return a dimension line."""
     return f'<path d="M{x0:.2f} {y} H{x1:.2f}" {_BOTH_ENDS}/>'
 
 

@@ -1,4 +1,4 @@
-"""Exact cases of the page, solved by a rule of their own: the page itself only reads files."""
+"""Exact cases of the page, which a rule of their own solves: the page itself only reads files."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -16,10 +16,10 @@ from workflow.study.datum import hanging, inner, length
 from workflow.study.model import Study
 from workflow.study.target import Target
 
-_TIMES = (0.1, 1.0, 10.0)
-_EDGE = 1 - 1e-12  # position X from which the field at the edge is read
-_TOLD = 1e-3  # relative change that three digits tell
-_STRAIGHT = 1e-9  # relative difference of two slopes up to which they are one
+_TIMES = (0.1, 1.0, 10.0)  # lengths over the datum
+_EDGE = 1 - 1e-12  # position X at which the field of the edge is read
+_VISIBLE = 1e-3  # relative change that three digits show
+_STRAIGHT = 1e-9  # relative difference of two slopes up to which they are equal
 # quantities that read a device and that air changes most
 _READ = ("voltage", "capacitance_per_length", "capacitance", "charge_per_force")
 _HERE = {
@@ -29,7 +29,7 @@ _HERE = {
 
 
 def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
-    """All of it, as plain data for a file."""
+    """Return all exact cases of the page as plain data."""
     return {
         "datum": changes(study),
         "designs": {
@@ -45,17 +45,17 @@ def solved(study: Study, designs: Mapping[str, Answer]) -> dict[str, Any]:
 
 
 def contact(study: Study, answer: Answer) -> dict[str, float]:
-    """Both ends of the contact of a design [m], by name of their quantity."""
+    """Return both ends of the contact of a design [m], by name of their quantity."""
     ends = study.kind.ends
     solved = factorial.exact(study.narrowed(answer.combination), dict(answer.case), peaks=(), outputs=ends)
     return {name: float(solved[name]) for name in ends}
 
 
 def changes(study: Study) -> list[dict[str, Any]]:
-    """Quantities that depend on the datum in the middle of the box, at a tenth, one and ten times the datum.
+    """Return quantities that depend on the datum, at three lengths, and their change per decade, NaN if it varies.
 
-    With the change per decade of the datum, NaN where that is not constant. Of half-planes the first name of every
-    category is told, of films every name: the base decides what depends on the datum.
+    The cases are in the middle of the box. On films the base decides what depends on the datum, and every combination
+    of categories has rows; on half-planes the first one.
     """
     rows: list[dict[str, Any]] = []
     if study.kind.datum == "absolute":
@@ -69,13 +69,13 @@ def changes(study: Study) -> list[dict[str, Any]]:
             steps = np.diff(values)
             straight = abs(steps[1] - steps[0]) <= _STRAIGHT * np.abs(values).max()
             slope = float(steps.mean()) if straight else np.nan
-            said = output(name, combination) if study.kind.datum == "by_base" else name
-            rows.append({"name": said, "values": values.tolist(), "slope": slope, "units": ALL_QUANTITIES[name].units})
+            label = output(name, combination) if study.kind.datum == "by_base" else name
+            rows.append({"name": label, "values": values.tolist(), "slope": slope, "units": ALL_QUANTITIES[name].units})
     return rows
 
 
 def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, Any]]:
-    """Terms of a design that depend on the datum, at three lengths in the deciding case; ``moves`` if seen."""
+    """Return terms of a design that depend on the datum, at three lengths; ``moves``: whether they change visibly."""
     narrowed = study.narrowed(answer.combination)
     hangs, rows = hanging(narrowed), []
     constants = {name: narrowed.constant(name) for name in target.constants() if name not in narrowed.factors}
@@ -86,16 +86,16 @@ def of_design(study: Study, target: Target, answer: Answer) -> list[dict[str, An
         known: dict[str, Any] = {**narrowed.fixed, **constants, **term.worst, **_solved(narrowed, term.worst)}
         values = np.broadcast_to(stated.expression.evaluate(known), len(_TIMES))
         deviation = isinstance(stated, Limit) and stated.deviation
-        moves = not (deviation or np.allclose(values, values[1], rtol=_TOLD, atol=0))
+        moves = not (deviation or np.allclose(values, values[1], rtol=_VISIBLE, atol=0))
         rows.append({"name": term.name, "values": values.tolist(), "units": term.units, "moves": moves})
     return rows
 
 
 def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
-    """Distance inside the trailing edge within which edge charges add more to sigma_xx than the tension [m].
+    """Return the distance inside the trailing edge where edge charges add more to sigma_xx than the tension [m].
 
-    In the case that decides a limit of ``trailing_tension``; None without such a limit, in air, which has no such
-    singularity, and of points. There sigma_xx grows as K / sqrt(1 - X^2): K is its regular part at the edge.
+    In the case that decides a limit of ``trailing_tension``; else None. Near the edge sigma_xx grows as
+    K / sqrt(1 - X^2), K its regular part there; air has no such singularity.
     """
     limits = [limit for limit in answer.limits if "trailing_tension" in limit.statement.expression.names()]
     narrowed = study.narrowed(answer.combination)
@@ -110,14 +110,14 @@ def singular_zone(study: Study, answer: Answer) -> dict[str, float] | None:
 
 
 def _solved(study: Study, case: Mapping[str, float]) -> dict[str, np.ndarray[Any, Any]]:
-    """Quantities of one case at the three lengths."""
+    """Return quantities of one case at the three lengths of the datum."""
     base = case.get("datum") or length(study) or 1.0
     solved = factorial.exact(study, {**case, "datum": base * np.array(_TIMES)}, peaks=())
     return {str(name): np.broadcast_to(values, len(_TIMES)) for name, values in solved.data_vars.items()}
 
 
 def compared(study: Study, case: Mapping[str, float]) -> dict[str, Any]:
-    """Quantities that read a device in one case, in its own and in the other surroundings."""
+    """Return quantities that read a device in one case, in its own and in the other surroundings."""
     if study.device is None and not study.kind.layered:
         return {}
     present = study.surroundings[0]

@@ -49,8 +49,8 @@ _PUNCHES = {
     "roller": "roller, R = {radius}, {length} long",
     "rough_sphere": "rough ball, R = {radius}, {roughness} rms",
 }
-_LITTLE = 1e-5  # share that is told as less than that
-#: The space between a number and its unit: a sign, or a letter of the SI with or without prefix, and what it is per.
+_LITTLE = 1e-5  # share; smaller ones are shown as less than that
+#: The space between a number and its unit: a sign, or a unit of the SI with or without prefix, and its divisor.
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|[fpnµmkMGT]?(?:m|N|V|A|C|F|K|Pa|s|T|Wb|J|W)(?:[·/²³][^\s,;]*)?)(?:[\s,;.)]|$))")
 Case = Mapping[str, float | str]
 
@@ -90,8 +90,8 @@ def answered(
     moving = {str(row["name"]) for row in solved["on_datum"] if row["moves"]}
     reference = float(case.get("datum", FACTORS["datum"].default or 1.0))
     drawn = device.draw(of_case(study, case, solved["contact"]), built)
-    why = (judged.beyond, judged.advice, judged.idle, judged.tolerance or cost(answer), judged.device, _sure(answer),
-           spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
+    why = (judged.beyond, judged.advice, judged.without_effect, judged.tolerance or cost(answer), judged.device,
+           _sure(answer), spread(answer), exact.told(solved["around"]), judged.sources)  # fmt: skip
     return Card(
         title=study.titles[name],
         build=unbroken(built + in_brackets(answer)),
@@ -111,7 +111,7 @@ def answered(
 
 
 def doubted(study: Study) -> str:
-    """Doubtful constants of the materials in use, in words; empty without any."""
+    """Return doubtful constants of the materials in use, in words; empty without any."""
     parts = []
     for material in coupling.materials(study):
         if material.note.startswith("doubt"):
@@ -158,14 +158,14 @@ def _grounded(study: Study, case: Case) -> bool:
 
 
 def in_words(study: Study, case: Case) -> str:
-    """Body and punch, and what is beside the contact where a device reads it or it is air."""
+    """Return body and punch, and the surroundings if these are air or a device reads the contact."""
     around = str(case.get("surroundings", study.surroundings[0]))
     surroundings = f", {_AROUND[around]}" if study.device or around == AIR else ""
     return f"{body_in_words(study, case)}; {punch_in_words(case)}{surroundings}"
 
 
 def body_in_words(study: Study, case: Case) -> str:
-    """The body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
+    """Return the body under the punch, as ``fibrous, 67 % BaTiO3, 230 µm on steel``."""
     if study.body:
         layers = [_layer(study, layer.plain(case), first=not k) for k, layer in enumerate(study.body)]
         return " on ".join([*layers, _base(case)])
@@ -202,7 +202,7 @@ def _base(case: Case) -> str:
 
 
 def punch_in_words(case: Case) -> str:
-    """The punch, as ``R = 50 mm``, or of a point with what it is made of, as ``steel ball, R = 3 mm``."""
+    """Return the punch, as ``R = 50 mm``, for a point with its material, as ``steel ball, R = 3 mm``."""
     profile, material = str(case.get("profile", CHOICES["profile"][0])), str(case.get("punch", RIGID_PUNCH))
     outline = PROFILES[profile]
     sizes = {name: titles.value(name, float(case[name]), 3) for name in outline.takes if name in case}
@@ -216,11 +216,10 @@ def punch_in_words(case: Case) -> str:
 
 
 def _good(target: Target, answer: Answer, moving: Collection[str], reference: float) -> str:
-    """Every goal's value with its spread, its datum if it depends on one, and the conditions."""
+    """Return every goal's value with its spread, its datum if it depends on one, and the conditions."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [f"{goal.title}{datum if goal.name in moving else ''} {_with_band(goal)}" for goal in answer.objectives]
-    together = ", the compromise of both goals" if len(parts) == 2 else ""
-    together = ", the compromise of all goals" if len(parts) > 2 else together
+    together = f", the compromise of {'both' if len(parts) == 2 else 'all'} goals" if len(parts) > 1 else ""
     names = {name for goal in answer.objectives for name in goal.statement.expression.names()}
     if names <= {*answer.case}:  # a factor as a goal
         over = "" if names.isdisjoint(target.tolerance) else ", tolerance included"

@@ -20,7 +20,7 @@ from workflow.language.factors import FACTORS
 from workflow.language.numbers import counted, number, shown
 from workflow.language.titles import capital, in_words, listed, title, value
 from workflow.learning.timing import by_quantity
-from workflow.report import firstscreen, ranked, sections, sentences, symbols, tables, whatif
+from workflow.report import firstscreen, ranked, sections, sentences, tables, whatif
 from workflow.report.svg import element
 from workflow.study import coupling
 from workflow.study.datum import HANGING, length
@@ -41,11 +41,19 @@ _MEANINGS = {
     "interface_magnetic": "the film's interface in the magnetic field",
 }
 
+#: Symbols, with their equations in docs/theory.md, of the factors of the paper's sweeps (Section 5).
+_SYMBOLS = {
+    "friction": ("η", "1.1"),
+    "radius": ("R", "1.1"),
+    "load": ("P", "1.2"),
+    "charge": ("T", "1.2"),
+    "magnetic_charge": ("J", "1.2"),
+}
 _COMMENT = re.compile(r"^\s*//.*\n|^ +", re.MULTILINE)
-_LEAST = 1e-5  # share that is told
+_LEAST = 1e-5  # share that is shown as more than none
 _MOST_DRAWN = 6  # layers of a body whose names have room in its drawing
-_TOP, _BOTTOM = 150, 294  # of all layers in it
-_SHOWN = 0.72  # share of its width at which a page shows a drawing: letters as large as those of the text
+_TOP, _BOTTOM = 150, 294  # of all layers in the drawing
+_SHOWN = 0.72  # size of drawings on the page, where their letters are as large as the text
 #: Scripts of the page, in the order in which they need each other.
 _SCRIPTS = (
     "contents.js", "numbers.js", "hover.js", "surrogate.js", "largest.js", "stack.js", "chart.js", "fields.js",
@@ -75,7 +83,7 @@ def page(
     levels: Sequence[str | Path] = (),
     pressed: Study | None = None,
 ) -> str:
-    """The page as text; ``pressed``: the study whose design is pressed in time, where it is another one."""
+    """Return the page as text; ``pressed``: the study whose design is pressed in time, where it is another one."""
     card = _json(folder / CARD) if study.factors else {}
     hangs = frozenset(card.get("on_datum", HANGING if study.kind.datum == "relative" else ()))
     content: dict[str, Any] = dict.fromkeys(_OF_SOME, ()) | {
@@ -98,7 +106,7 @@ def page(
         "scripts": [Markup(_COMMENT.sub("", (TEMPLATES / name).read_text(encoding="utf-8"))) for name in _SCRIPTS],
         "varied": bool(study.factors or study.effects),
         "effects": list(study.effects.vary) if study.effects else [],
-        "symbols": symbols.FACTORS if study.effects and study.kind.contact == "line" else {},
+        "symbols": _SYMBOLS if study.effects and study.kind.contact == "line" else {},
         "effects_table": tables.effects(study, folder) if study.effects else [],
         "verification": tables.verification(folder) if study.verification else None,
         "measurements": _json(folder / "measured/measurements.json") if study.measurements else [],
@@ -149,7 +157,7 @@ def _json(path: Path) -> Any:
 
 @cache
 def _environment() -> Environment:
-    """Templates of the page, with what they call."""
+    """Return the templates of the page, with their functions and filters."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -175,7 +183,7 @@ def _environment() -> Environment:
 
 
 def _says(study: Study, folder: Path, content: Mapping[str, Any], pressed: Study) -> dict[str, str]:
-    """The sentence of every section that the page has."""
+    """Return the sentence of every section that the page has."""
     says = {"provenance": sentences.provenance(content["provenance"]), "study": sentences.study(study)}
     if study.factors:
         validation, indices = content["validation"], read_whole(folder / "sensitivity.nc")
@@ -206,7 +214,7 @@ def _says(study: Study, folder: Path, content: Mapping[str, Any], pressed: Study
 
 
 def _problem(study: Study) -> Markup:
-    """The drawing of a study's bodies: a half-plane, a film, or both where films are shown beside it."""
+    """Return the drawing of a study's bodies: a half-plane, a film, or both."""
     effects, layers = study.effects, _layers(study) or ["film"]
     if study.kind.contact == "point":
         return _on_layers(layers if study.kind.layered else [], AT_POINT, point=True)
@@ -219,14 +227,14 @@ def _problem(study: Study) -> Markup:
 
 
 def _on_layers(layers: Sequence[str], title: str, *, point: bool = False) -> Markup:
-    """The drawing of a contact on layers from the top down, or on a half-space."""
+    """Return the drawing of a contact on layers from the top down, or on a half-space."""
     edges = [round(_TOP + (_BOTTOM - _TOP) * number / max(len(layers), 1)) for number in range(len(layers) + 1)]
     drawn = _environment().get_template("film.svg.j2").render(title=title, layers=layers, edges=edges, point=point)
     return element(drawn, "film" if layers else "problem", title, _SHOWN)
 
 
 def _layers(study: Study) -> list[str]:
-    """Names of a body's layers for which a drawing has room."""
+    """Return the names of a body's layers for which a drawing has room."""
     names = [str(layer.material or layer.composite) for layer in study.body]
     return [names[0], f"{len(names) - 2} layers", names[-1]] if len(names) > _MOST_DRAWN else names
 
@@ -240,10 +248,10 @@ def _figure(path: Path) -> dict[str, Any]:
 
 
 def _seconds(value: float) -> str:
-    """A time with a fitting unit; no kilosecond."""
+    """Return a time with a fitting unit, without kiloseconds."""
     return f"{number(value, 3)} s" if value >= 1 else shown(value, "s", 3)
 
 
 def _share(part: float, digits: int) -> str:
-    """A share of a whole in percent; what is next to none is none."""
+    """Return a share in percent; 0 for next to none."""
     return f"{number(100 * part, digits) if abs(part) >= _LEAST else 0} %"

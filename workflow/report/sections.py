@@ -1,7 +1,6 @@
-"""The sections of the page in its order: when each stands, its figures and how the contents name it.
+"""The sections of the page in its order, with their templates, figures and titles, over which page and rules loop.
 
-What a section shows is its piece of template, named in full: a job depends on the data files that its modules name.
-Page and rules loop over this registry.
+Templates are named in full: a job depends on the data files that its modules name.
 """
 
 from collections.abc import Callable, Mapping
@@ -17,21 +16,21 @@ from workflow.study.sections import CONVERGING
 class Figure:
     """A figure that is drawn from results."""
 
-    file: str  # Below the study's ``figures/`` and without its ending, with one wildcard at most. See `kind`.
-    reads: str  # Below the study's folder, with the same wildcard, or with ``{slab}`` for all slabs of the data set
-    draw: str  # Module of ``figures/`` and its function: of the data, and of what it ``asks`` by name
-    label: str  # In Snakemake's own report
-    values: Callable[[Study], Any]  # Values of the wildcard, or whether a study has a figure without one
-    asks: tuple[str, ...] = ()  # Parameters of the study that `draw` takes, as ``rules/report.smk`` names them
+    file: str  # below the study's ``figures/``, without its ending, with one wildcard at most
+    reads: str  # file below the study's folder, with the same wildcard, or with ``{slab}`` for all slabs
+    draw: str  # module of ``figures/`` and function of the data and of the parameters `asks`
+    label: str  # in Snakemake's report
+    values: Callable[[Study], Any]  # values of the wildcard, or whether a study has a figure without one
+    asks: tuple[str, ...] = ()  # parameters of the study that `draw` takes, as ``rules/report.smk`` names them
 
     @property
     def kind(self) -> str:
-        """The first word of its file, as its caption is called."""
+        """First word of the file, which is the name of its caption."""
         return self.file.partition("_")[0]
 
     @property
     def source(self) -> str:
-        """The file of the function that draws it."""
+        """File of the function that draws the figure."""
         return f"workflow/report/figures/{self.draw.partition('.')[0]}.py"
 
     @property
@@ -45,7 +44,7 @@ class Figure:
         return {"figure": self.label} | ({self.wildcard: f"{{{self.wildcard}}}"} if self.wildcard else {})
 
     def named(self, pattern: str, study: Study) -> list[str]:
-        """Files of a study by a pattern with the wildcard, `file` or `reads`."""
+        """Return the files of a study by a pattern with the wildcard, `file` or `reads`."""
         values = self.values(study) or ()
         if not self.wildcard:
             return [pattern] if values else []
@@ -59,11 +58,11 @@ Page = Mapping[str, Any]
 class Section:
     """A section of the page."""
 
-    template: str  # File of its piece, in ``templates/``
-    title: str  # In the contents
-    needs: str  # Name in the page's content without which the page does not have it
-    figures: tuple[Figure, ...] = ()  # Those that it shows; those of designs are in folders
-    links: Callable[[Page], list[tuple[str, str]]] | None = None  # Anchors and titles, where it has others than its own
+    template: str  # file in ``templates/``
+    title: str  # in the contents
+    needs: str  # name in the page's content without which there is no such section
+    figures: tuple[Figure, ...] = ()  # without those of designs, which are in folders
+    links: Callable[[Page], list[tuple[str, str]]] | None = None  # several anchors and titles in place of one
 
     @property
     def name(self) -> str:
@@ -71,13 +70,13 @@ class Section:
         return self.template.partition(".")[0]
 
     def anchors(self, page: Page) -> list[tuple[str, str]]:
-        """Anchors and titles of the contents."""
+        """Return anchors and titles for the contents."""
         return self.links(page) if self.links else [(self.name, self.title)]
 
 
 @dataclass(frozen=True)
 class Part:
-    """Sections under one headline; ``aside`` says more beside it."""
+    """Sections under one headline, with a remark ``aside``."""
 
     name: str
     sections: tuple[Section, ...]
@@ -86,7 +85,7 @@ class Part:
 
 
 def standing(page: Page) -> list[Part]:
-    """The parts of a page with the sections that stand on it; none without any."""
+    """Return the parts of a page with the sections that it has; no empty parts."""
     parts = [
         replace(part, sections=tuple(section for section in part.sections if page[section.needs])) for part in PARTS
     ]
@@ -94,12 +93,12 @@ def standing(page: Page) -> list[Part]:
 
 
 def figures(study: Study) -> list[str]:
-    """Names of every figure's file of a study, but those of its designs."""
+    """Return the names of a study's figures, without those of its designs."""
     return [name for _, figure in _figures() for name in figure.named(figure.file, study)]
 
 
 def drawn() -> list[list[tuple[Section, Figure]]]:
-    """The figures by the results that they are drawn from: one rule each, called after its first."""
+    """Return the figures by the results that they are drawn from: one rule each, named after its first."""
     figures: dict[str, list[tuple[Section, Figure]]] = {}
     for section, figure in _figures():
         figures.setdefault(figure.reads, []).append((section, figure))
@@ -111,7 +110,7 @@ def _figures() -> list[tuple[Section, Figure]]:
 
 
 def effects(study: Study) -> list[str]:
-    """Files of the fields of one factor at a time, below the study's folder."""
+    """Return the files of fields of one factor at a time, below the study's folder."""
     return [name for figure in _EFFECTS for name in figure.named(figure.reads, study)]
 
 

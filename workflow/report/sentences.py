@@ -78,16 +78,16 @@ def sensitivity(charts: Sequence[Chart]) -> str:
             _depending(name, by_category, whole=len(by_category) == counts[name])
             for name, by_category in depending.items()
         ]
-        said = [
+        words = [
             f"{name} ({_size(by_category.values())})"
             for name, by_category in zip(names, depending.values(), strict=True)
         ]
-        parts.append(f"{listed(said)} depend{'s' if len(said) == 1 else ''} most on {titles.title(factor)}")
+        parts.append(f"{listed(words)} depend{'s' if len(words) == 1 else ''} most on {titles.title(factor)}")
     return f"{capital('; '.join(parts))} (shares of the variance over the ranges, with interactions)."
 
 
 def _depending(name: str, shares: Iterable[str], *, whole: bool) -> str:
-    """A quantity, with its categories unless all are included."""
+    """Return a quantity, with its categories unless all are included."""
     names, quantity = list(shares), titles.title(name) if name in ALL_QUANTITIES else name
     others = [f"{len(names) - _MOST_NAMED} more"] if len(names) > _MOST_NAMED else []
     return quantity if whole else f"{quantity} of {listed([*names[:_MOST_NAMED], *others])}"
@@ -159,7 +159,7 @@ def speed(timings: Sequence[Row]) -> str:
 
 
 def effects(rows: Sequence[Row]) -> str:
-    """Values of the factors that were varied one at a time."""
+    """Sentence on the values of the factors that were varied one at a time."""
     spans = [f"{titles.title(row['name'])} {row['over']}" for row in rows]
     return f"Factors are varied one at a time: {'; '.join(spans)}."
 

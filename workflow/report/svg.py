@@ -4,7 +4,7 @@ import re
 
 from markupsafe import Markup
 
-#: What figures are drawn in, and what the page puts in its place.
+#: Colours of figures, which the page replaces by `_VARIABLES`.
 INK, PAPER, ACCENT = "#1c2430", "#fbfbf9", "#2166ac"
 SOFT, GOOD, BAD = "#5b6675", "#1b7f4d", "#b3261e"
 BODY, PUNCH, SECOND = "#eaf1f9", "#e4e5e7", "#f6ecdf"
@@ -33,7 +33,7 @@ _STROKE = re.compile(r"stroke: (#[0-9a-f]{6})")
 
 
 def element(text: str, name: str, alt: str, enlarged: float = 1.0) -> Markup:
-    """An SVG of our own making as an element of the page; of several parts these, side by side where there is room."""
+    """Return one of the program's SVGs as an element of the page; several parts side by side where there is room."""
     parts = _PART.findall(text)
     if len(parts) > 1:
         elements = (element(f"<svg {part}", f"{name}-{k}", alt, enlarged) for k, part in enumerate(parts))

@@ -21,7 +21,7 @@ from workflow.study.datum import meaning
 from workflow.study.model import Study
 from workflow.study.sections import CHECK_GROUPS
 
-#: Quantities that the summary of a parametric study tells.
+#: Quantities in the summary of a parametric study.
 CHANGED: dict[Contact, tuple[str, ...]] = {
     "line": ("peak_pressure", "trailing_tension", "depth", "voltage"),
     "point": ("contact_radius", "peak_pressure", "depth", "voltage", "charge_per_force"),
@@ -31,7 +31,7 @@ _INTERVALS = (*_JUDGED, *(f"raw_{key}" for key in _JUDGED), "raw_max_error")
 
 
 def verification(folder: Path) -> dict[str, Any]:
-    """The checks of every group."""
+    """Return the checks of every group."""
     groups = findings([folder / "verification" / f"{name}.json" for name in CHECK_GROUPS])
     checks = [check for group in groups for check in group["checks"]]
     return {
@@ -45,7 +45,7 @@ def verification(folder: Path) -> dict[str, Any]:
 
 
 def dataset(folder: Path, card: Mapping[str, Any], quantities: Collection[str]) -> dict[str, Any]:
-    """Range of every quantity that is told, and size of the data set."""
+    """Return the range of every quantity that the page shows, and the size of the data set."""
     data = read_whole(folder / "quantities.nc")
     rows = [
         {
@@ -70,12 +70,12 @@ def dataset(folder: Path, card: Mapping[str, Any], quantities: Collection[str]) 
 
 
 def surface(path: Path) -> list[dict[str, Any]]:
-    """Errors and intervals of the fields under the punch."""
+    """Return errors and intervals of the fields under the punch."""
     return _rows(read_whole(path), "output", ("max_error", "rmse", *_INTERVALS))
 
 
 def _rows(data: xr.Dataset, dim: str, keys: Sequence[str]) -> list[dict[str, Any]]:
-    """Numbers along a dimension, a row a ``name`` of it."""
+    """Return numbers along a dimension, with a row for each ``name`` in it."""
     columns = {key: data[key].transpose(dim).values.tolist() for key in keys}
     return [
         {"name": str(name), **{key: float(column[place]) for key, column in columns.items()}}
@@ -84,7 +84,7 @@ def _rows(data: xr.Dataset, dim: str, keys: Sequence[str]) -> list[dict[str, Any
 
 
 def levels(path: Path) -> dict[str, Any]:
-    """Why the factorial has the levels that it has: the pilots' evidence."""
+    """Return the pilots' evidence for the levels of the factorial."""
     data = read_whole(path)
     errors = data["predicted_error"]
     rows = [
@@ -102,7 +102,7 @@ def levels(path: Path) -> dict[str, Any]:
 
 
 def validation(folder: Path, study: Study) -> dict[str, Any]:
-    """Errors and intervals of every output that is told, on fresh cases, and what ideal intervals would show there."""
+    """Return errors and intervals of every output on the page, on fresh cases, and those of ideal intervals."""
     data = read_whole(folder / "validation.nc").sel(output=coupling.outputs(study))
     tolerance = float(data.attrs["tolerance"])
     of_interpolation = ["baseline_max_error"] if "baseline_max_error" in data else []
@@ -150,7 +150,7 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
     rows = []
     for factor, values in study.effects.vary.items():
         data = read_whole(folder / "fields" / f"effect_{factor}.nc")
-        said = [value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value) for value in values]
+        words = [value.replace("_", " ") if isinstance(value, str) else titles.value(factor, value) for value in values]
         changed = CHANGED[study.kind.contact]
         known = [name for name in changed if name in data and factor in data[name].dims]  # not every punch has all
         selected = {name: data[name].isel({factor: slice(len(values))}) for name in known}
@@ -159,13 +159,13 @@ def effects(study: Study, folder: Path) -> list[dict[str, Any]]:
             for name, values in selected.items()
             if values.notnull().all()
         }
-        over = ", ".join(said) if isinstance(values[0], str) else f"{said[0]} to {said[-1]}"
+        over = ", ".join(words) if isinstance(values[0], str) else f"{words[0]} to {words[-1]}"
         rows.append({"name": factor, "over": over, "spans": spans})
     return rows
 
 
 def sobol(folder: Path, quantities: Sequence[str]) -> list[dict[str, Any]]:
-    """Total Sobol' indices of every output that is told, by input."""
+    """Return total Sobol' indices of every output on the page, by input."""
     totals = read_whole(folder / "sensitivity.nc")["total"].sel(output=list(quantities)).transpose("output", "input")
     inputs = [str(name) for name in totals["input"].values]
     return [
@@ -175,14 +175,14 @@ def sobol(folder: Path, quantities: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def readout(name: str, path: Path) -> dict[str, Any]:
-    """Coverage and width of the intervals of a read-out."""
+    """Return coverage and width of the intervals of a read-out."""
     data = read_whole(path)
     rows = _rows(data, "factor", ("coverage", "width", "left"))
     return {"name": name, "rows": rows, "cases": data.sizes["case"]}
 
 
 def signal(folder: Path) -> dict[str, float]:
-    """Numbers of a press in time."""
+    """Return the numbers of a press in time."""
     data = read_whole(folder / "signal.nc")
     numbers = {str(name): float(value) for name, value in data.data_vars.items() if not value.dims}
     return numbers | {"force": float(data["force"].max())}

@@ -1,4 +1,4 @@
-"""The findings of a verification, and the verdict on them."""
+"""Findings of a verification, and their verdict."""
 
 import json
 from pathlib import Path
@@ -10,12 +10,12 @@ class RedError(Exception):
 
 
 def findings(files: list[Path]) -> list[dict[str, Any]]:
-    """Findings of the groups, as :mod:`verification` wrote them."""
+    """Read the findings of the groups, as :mod:`verification` wrote them."""
     return [json.loads(file.read_text(encoding="utf-8")) for file in files]
 
 
 def verdict(files: list[Path]) -> str:
-    """One line that says that all checks are green."""
+    """Return one line if all checks are green; RedError otherwise."""
     checks = [check for group in findings(files) for check in group["checks"]]
     red = [f"{check['name']} ({check['error']} > {check['tolerance']})" for check in checks if not check["passed"]]
     if red or not checks:

@@ -31,9 +31,9 @@ from workflow.study.datum import HANGING, inner, meaning
 from workflow.study.model import Study
 from workflow.study.target import Target
 
-#: Points of the box that tell the ranges of a surrogate in groups.
+#: Points of the box by which the ranges of a surrogate in groups are found.
 _POINTS = 4096
-#: Figures of a device that stand beside the sliders as large numbers.
+#: Figures of a device that are shown beside the sliders as large numbers.
 _HEADLINES = ("signal_voltage", "smallest_force", "time_constant")
 
 
@@ -45,7 +45,7 @@ def content(
     hangs: frozenset[str] = HANGING,
     fields: GaussianProcess | None = None,
 ) -> dict[str, Any] | None:
-    """The panel's data; None where the browser cannot evaluate the surrogate."""
+    """Return the panel's data; None where the browser cannot evaluate the surrogate."""
     stored = exported(model)
     if stored is None:
         return None
@@ -87,7 +87,7 @@ def _combines(study: Study, designs: Sequence[Answer]) -> bool:
 
 
 def figures(study: Study) -> list[dict[str, Any]]:
-    """Figures of the study's device that its quantities, its factors and the device's numbers tell, as formulas."""
+    """Return the figures of the device that follow from the page's quantities, factors and numbers, as formulas."""
     known = study.device.constants if study.device else {}
     available = {*known, *coupling.felt_outputs(study), *study.factors, *_held(study)}
     figures = FIGURES_BY[study.meeting]
@@ -100,12 +100,12 @@ def figures(study: Study) -> list[dict[str, Any]]:
 
 
 def _held(study: Study) -> dict[str, float]:
-    """Numeric factors that are fixed, those of the top layer of a body, and those with a default."""
+    """Return numeric factors that are fixed, in the top layer of a body, or have a default."""
     return {name: value for name in FACTORS if isinstance(value := study.held(name), float | int)}
 
 
 def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[list[float]]:
-    """Ends of every output over the box: of its factorial, or of the surrogate, where that is in groups."""
+    """Return the ends of every output over the box: of its factorial, or of a surrogate in groups."""
     if study.groups:
         t = 2 * sobol_points(_POINTS, len(model.box)) - 1
         X = np.stack([axis.from_unit(row) for axis, row in zip(model.box.values(), t.T, strict=True)], axis=1)
@@ -114,7 +114,7 @@ def _ranges(study: Study, model: GaussianProcess, learned: xr.Dataset) -> list[l
 
 
 def _kind(study: Study, model: GaussianProcess, combination: Combination) -> dict[str, Any]:
-    """One combination of the categories: the surrogate's columns for it, and whether it shows a pressure."""
+    """Return the data of one combination of the categories: the surrogate's columns, and whether it has a pressure."""
     return {
         "names": combination,
         "allowances": assessment.allowances(study, Predicted(model, combination), study.outputs),
@@ -125,16 +125,13 @@ def _kind(study: Study, model: GaussianProcess, combination: Combination) -> dic
 
 
 def as_json(data: dict[str, Any] | None) -> Markup:
-    """JSON that may stand inside a script element."""
+    """Return JSON that may be inside a script element."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return Markup(text.replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
 def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str, Any]:
-    """A target's limits with the verdict on its design, and the scenarios that they must stand anywhere else.
-
-    What a limit counts as over distributions, and a deviation, are not judged elsewhere: no one point tells them.
-    """
+    """Return a target's limits with the verdict on its design, and the scenarios by which the panel judges others."""
     corners = scenarios.corners(target, scenarios.SEARCHED)
     limits = []
     constants = {name: study.constant(name) for name in target.constants() if name not in study.factors}
@@ -148,7 +145,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
                 "value": term.limit,
                 "upper": limit.upper,
                 "units": term.shown_units,
-                "judged": limit.probability is None and not limit.deviation,
+                "judged": limit.probability is None and not limit.deviation,  # which several points decide
                 "exact": term.exact if np.isfinite(term.exact) else None,
                 "held": not term.broken,
             }
@@ -173,7 +170,7 @@ def _target(study: Study, name: str, target: Target, answer: Answer) -> dict[str
 
 
 def _few(corners: scenarios.Scenarios) -> list[int]:
-    """Scenarios over which the map counts: all while they are few, else those at ends of every range."""
+    """Return the scenarios of the map: all while they are few, else those at ends of every range."""
     levels = [*corners.values.values(), *corners.offsets.values()]
     ends = [(level == level.min()) | (level == level.max()) for level in levels]
     many = corners.count > scenarios.SEARCHED[1]
@@ -181,7 +178,7 @@ def _few(corners: scenarios.Scenarios) -> list[int]:
 
 
 def _goal(target: Target, answer: Answer, over: str, constants: Mapping[str, float]) -> dict[str, Any]:
-    """The first goal: over the scenarios where it counts at worst, else at one point."""
+    """Return the first goal, over the scenarios where the worst case counts, else at one point."""
     first = target.objectives[0]
     worst = not target.statistic.drawn and bool(over)
     return {
@@ -196,7 +193,7 @@ def _goal(target: Target, answer: Answer, over: str, constants: Mapping[str, flo
 
 
 def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
-    """An expression as nested lists."""
+    """Return an expression as nested lists."""
     if isinstance(node, Number):
         return node.value
     if isinstance(node, Name):
@@ -208,12 +205,12 @@ def _tree(node: Expression, constants: Mapping[str, float]) -> Any:
 
 #: Quantities that give the contact pressure of a circular punch in closed form.
 _PRESSURE = {"contact_trailing", "contact_leading", "pressure_exponent", "peak_pressure"}
-#: What the means of a surrogate need; the rest is for intervals.
+#: Entries for the means of a surrogate; the others are for intervals.
 _OF_MEANS = ("inputs", "axes", "groups", "outputs", "order", "trains")
 
 
 def drawable(study: Study) -> bool:
-    """Return whether the panel knows the contact that its drawing shows."""
+    """Return whether the panel can draw the contact."""
     return not study.kind.space and set(study.outputs) >= set(study.kind.ends)
 
 
@@ -224,7 +221,7 @@ def closed_pressure(study: Study, combination: Combination) -> bool:
 
 
 def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
-    """Punch and body of a combination of categories, as `report.device.Device`; lengths or names of factors."""
+    """Return punch and body of a combination of categories, as of `report.device.Device`, or names of factors."""
     case = {**study.fixed, **combination, **inner(study)}
     drawn = firstscreen.of_case(study, case, dict.fromkeys(study.kind.ends, 1.0))
     size, pressing = PROFILES[drawn.profile].needs[-1], study.kind.loads.force
@@ -248,7 +245,7 @@ def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
 
 
 def charts(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
-    """Charts under the punch and their surrogate as plain data; circular punches on half-planes need no surrogate."""
+    """Return charts under the punch and their surrogate; circular punches on half-planes need no surrogate."""
     known = model is not None and not study.categories and "pressure_exponent" in study.outputs
     stored = exported(model) if known and model is not None else None
     pressure = any(closed_pressure(study, combination) for combination in study.combinations)

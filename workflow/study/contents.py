@@ -137,7 +137,7 @@ class Contents(Strict):
         return kind_of(named, profile, surroundings, [*materials, self.body])
 
     def names(self, factor: str, default: str = "") -> list[str]:
-        """Names that a factor takes in the cases: its category's, the fixed one or its default."""
+        """Return the names that a factor takes in the cases: its category's, the fixed one or its default."""
         return self.categories.get(factor) or [str(self.fixed.get(factor, default))]
 
     @property

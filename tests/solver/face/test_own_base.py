@@ -9,6 +9,7 @@ import pytest
 import solver
 from solver.fields import EVERY_INTERIOR
 from tests.solver.cases import assert_alike
+from verification.cases import bonded
 
 MIX = "BaTiO3-CoFe2O4 50:50"
 ALL = [(True, True), (True, False), (False, True), (False, False)]
@@ -44,11 +45,6 @@ def told(factors: dict[str, Any], conducts: tuple[bool, bool], charges: tuple[st
     for field, charge, first in zip(("electric", "magnetic"), charges, conducts, strict=True):
         factors = factors | ({charge: sizes[charge]} if first else {field: "insulating"})
     return factors
-
-
-def bonded(case: dict[str, Any], thickness: float) -> dict[str, Any]:
-    interface = {"interface_electric": "bonded", "interface_magnetic": "bonded", "surroundings": "insulated"}
-    return case | interface | {"thickness": thickness, "base": case["material"]}
 
 
 @pytest.mark.sampled(10)

@@ -131,7 +131,7 @@ def test_a_limit_or_nothing_stops_a_recommended_design() -> None:
     assert str(held) == "Recommended: limited by tension behind the contact of 50 MPa."
     free = words.verdict(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]], matters=(False, True)))
     assert str(free).startswith("Recommended: ")
-    assert "radius" in free.idle
+    assert "radius" in free.without_effect
     assert words.spread(design([1e-9, 5e6, 1e6], [50e6, 500e6], [[0.0, 1, 0], [0, 2, 0]])) == ""  # no constants
 
 
@@ -154,7 +154,7 @@ def test_an_end_beyond_which_nothing_is_gained_does_not_stop_a_design() -> None:
     assert judged.kind == words.AT_EDGE
     assert "10 kN/m" in judged.stops
     assert judged.advice == "To first order, load 11 kN/m would gain 10 %."
-    assert "radius (200 mm" in judged.idle
+    assert "radius (200 mm" in judged.without_effect
     alone = words.verdict(design([1e-9, 50e6], [50e6], [[1e-5, 0.0], [1.0, 1.0]], (upper, None)))
     assert alone.kind == words.RECOMMENDED
     unexplained = design([1e-9, 5e6], [50e6], [[1.0, 1.0], [1.0, 1.0]], (upper, None))

@@ -1,9 +1,8 @@
-"""Quantities of which an exact case is costly, and how a design question spends such cases.
+"""Quantities of which an exact case is costly, and their exact values in the scenarios that decide.
 
-A case of the closed-form quantities costs microseconds, so that a design question may ask for many thousands. One of
-`solver.names.PEAKS` costs 6 ms in a batch and 18 ms scattered, and one of any quantity of a film that needs tables of
-its own 30 to 200 ms: a question solves `most` of them in each of its parts (the polish, the front), some seconds to 20.
-They go to the scenarios that decide what a term counts as; in all others the surrogate is believed.
+A closed-form case costs microseconds; one of `solver.names.PEAKS` 6 ms in a batch and 18 ms scattered, and one of a
+film with tables of its own 30 to 200 ms. A question solves `most` costly cases in each of its parts (polish, front), in
+scenarios that decide a term; in all others it takes the surrogate's values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,24 +19,24 @@ from workflow.design.question.sources import Exact, Factors, Predicted, Source
 
 Bools = NDArray[np.bool_]
 
-#: Costly cases of one part of a question, and of one about films.
+#: Most costly cases of one part of a question, in general and on films.
 AFFORDABLE, AFFORDABLE_FILMS = 1000, 150
-_MOST_SCENARIOS, _MOST_FILMS = 256, 64  # of one value of one term
+_MOST_SCENARIOS, _MOST_FILMS = 256, 64  # solved scenarios of one term, in general and on films
 _LEAST = 9  # designs of a front
 _BATCH = 12  # scenarios solved at a time, at least: a dozen peaks cost as much as three alone
-_BATCH_FILMS = 3  # every one with tables of its own
-_SPREAD = 5  # of them spread over all scenarios, which show how far the surrogate errs alike
+_BATCH_FILMS = 3  # the same on films, where each has tables of its own
+_SPREAD = 5  # scenarios spread over all, which show the surrogate's common error
 #: Relative safety margin that a polish keeps from the limits: near a kink a shifted limit leaves 0.14 of its shift.
 SAFETY = 3e-7
 
 
 def names(question: Question, term: Term) -> list[str]:
-    """Quantities of a term of which a case is costly."""
+    """Return the quantities of a term of which a case is costly."""
     return [name for name in term.expression.names() if name in question.study.costly]
 
 
 def most(question: Question) -> int:
-    """Costly cases of one part of a question."""
+    """Return the most costly cases of one part of a question."""
     return AFFORDABLE_FILMS if question.study.kind.tabled else AFFORDABLE
 
 
@@ -47,7 +46,7 @@ def asked(question: Question) -> bool:
 
 
 class _Hybrid(Source):
-    """The exact solver but for what is costly, which comes from the surrogate."""
+    """The exact solver, but the surrogate for costly quantities."""
 
     step = Exact.step
 
@@ -63,14 +62,14 @@ class _Hybrid(Source):
 
 
 def affordable(question: Question) -> Source:
-    """Source in place of the exact solver where a question has many cases, as in difference quotients."""
+    """Return the source in place of the exact solver for many cases, as in difference quotients."""
     if not asked(question):
         return question.exact
     return _Hybrid(question.exact, question.predicted, question.study.costly)
 
 
 def words(question: Question, cases: int, moved: bool) -> str:
-    """Description of the polish: on the exact solver alone, led by the surrogate, or none."""
+    """Return a description of the polish: on the exact solver alone, led by the surrogate, or none."""
     searched = ", ".join(dict.fromkeys(name for term in question.terms for name in names(question, term)))
     kind = "exact" if question.study.kind.tabled else "searched"
     if not searched:
@@ -82,14 +81,9 @@ def words(question: Question, cases: int, moved: bool) -> str:
 
 
 def count_exactly(design: Question, term: Term) -> tuple[float, int]:
-    """Value of a term at one design over the scenarios of the verdict, and the number of deciding ones solved exactly.
+    """Return a term's value at one design in the verdict, with deciding scenarios solved exactly, and their number.
 
-    The surrogate says which scenarios decide. They are solved; then those are solved that decide now, or may decide by
-    the errors that the surrogate has shown, until none is left. Of films, the mean error of solved scenarios, the first
-    of which are spread over all, corrects the predictions of the others, and what is left of it counts. Scenarios that
-    weigh a thousandth of a mean together are not solved: a mean errs by a thousandth of the surrogate's own errors.
-    Where very many scenarios decide, the few of the search are solved instead, and the surrogate says what the many
-    change.
+    Where very many scenarios decide, the few of the search are solved, and the surrogate gives the difference.
     """
     many, few = design.judged[term.measure.key], design.searched[term.measure.key]
     whole = design.value(design.predicted, many, term)
@@ -101,7 +95,11 @@ def count_exactly(design: Question, term: Term) -> tuple[float, int]:
 
 
 def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: Array) -> tuple[float, int]:
-    """Solve scenarios of predicted values (1, groups, draws) in batches until all that may decide are solved."""
+    """Solve scenarios of predicted values (1, groups, draws) in batches until all that may decide are solved.
+
+    Scenarios that weigh a thousandth of a mean together are not solved. On films the mean error of the solved
+    scenarios, of which the first are spread over all, corrects the predictions of the others.
+    """
     values, films = predicted.copy(), design.study.kind.tabled
     flat, solved, error = values.ravel(), np.zeros(chosen.count, dtype=bool), 0.0
     while True:
@@ -109,13 +107,13 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
         distances = np.abs(flat - value)
         decides = term.deciding(values[0]) & ~solved
         room = (_MOST_FILMS if films else _MOST_SCENARIOS) - int(solved.sum())
-        # what the surrogate may have put on the wrong side of those that decide, by twice its largest error so far
+        # scenarios that may decide by twice the surrogate's largest error so far
         missing = decides | ((distances <= 2 * error) & ~solved & (room > 0))
         if not missing.any():
             return value, int(solved.sum())
         most = max(room, int(decides.sum())) if films else chosen.count
         order = np.where(decides, -1.0, distances)
-        # the nearest first: what is missing, and as many others as make a batch worth its price
+        # the nearest first, and as many others as fill a batch
         nearest = np.argsort(np.where(solved, np.inf, order), kind="stable")[: int((~solved).sum())]
         batch = nearest[: max(_BATCH_FILMS if films else _BATCH, int(missing.sum()))][:most]
         if films and not solved.any() and values.shape[2] == 1:
@@ -130,18 +128,14 @@ def _count_exactly(design: Question, chosen: Scenarios, term: Term, predicted: A
 
 
 def _errors(values: Array, predicted: Array, solved: Bools) -> tuple[Array, float]:
-    """Mean error of solved groups for every draw, (group, draw), and the largest deviation from that mean."""
+    """Return the mean error of solved groups for every draw, (group, draw), and the largest deviation from it."""
     off = np.where(solved, values - predicted, 0.0)
     mean = np.broadcast_to(off.sum(0) / np.maximum(solved.sum(0), 1), off.shape)
     return mean, float(np.abs(np.where(solved, off - mean, 0.0)).max())
 
 
 def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indices]]:
-    """Evenly chosen designs of a row, as many as a share of all costly cases allows.
-
-    With the scenarios of the search in which they are solved: those that decide some term at some design by the
-    surrogate.
-    """
+    """Return evenly chosen designs, as many as a share of all costly cases allows, and their deciding scenarios."""
     columns: dict[Key, Indices] = {}
     for drawn, chosen in designs.searched.items():
         terms = [term for term in chosen.terms.values() if names(designs, term)]
@@ -157,7 +151,7 @@ def thinned(designs: Question, share: float) -> tuple[Question, dict[Key, Indice
 
 
 def corrected(designs: Question, counts: Array, columns: Mapping[Key, Indices]) -> Array:
-    """Values of all terms at designs, (n, terms): counts without costly cases, some scenarios solved exactly."""
+    """Return the values of all terms at designs, (n, terms): `counts`, with costly scenarios solved exactly."""
     out = counts.copy()
     for drawn, indices in columns.items():
         chosen = designs.searched[drawn]
@@ -172,6 +166,6 @@ def corrected(designs: Question, counts: Array, columns: Mapping[Key, Indices]) 
 
 
 def _solve(designs: Question, chosen: Scenarios, columns: Indices, terms: list[Term]) -> list[Array]:
-    """Exact values of some terms in some scenarios, (n, columns) each."""
+    """Return exact values of terms in some scenarios, (n, columns) each."""
     solved = designs.values(designs.exact, chosen.only(columns), terms)
     return [values.reshape(len(values), -1) for values in solved]

@@ -1,4 +1,4 @@
-"""Pilot of a design question: a few hundred designs that show terms without sense, kinks and forgotten units."""
+"""Pilot of a design question: a few hundred designs that show undefined terms, kinks and forgotten units."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -72,7 +72,7 @@ def ask(
 
 
 def _pilot(d: int, scenarios: int) -> Array:
-    """Scaled points inside the ranges and at combinations of their ends, (n, d); fewer with many scenarios."""
+    """Return scaled points inside the ranges and at combinations of their ends, (n, d); fewer with many scenarios."""
     ends = np.array(list(product([-1.0, 1.0], repeat=min(d, _ENDS))))
     count = 1 << int(np.clip(np.log2(_EVALUATED / scenarios), 5, np.log2(_POINTS)))
     inside = 2 * sobol_points(count, d) - 1
@@ -80,7 +80,7 @@ def _pilot(d: int, scenarios: int) -> Array:
 
 
 def _divisors(expression: Expression) -> list[Expression]:
-    """Divisors, negative powers and arguments of logarithms in an expression, wherever they hold a name."""
+    """Return the divisors, negative powers and arguments of logarithms in an expression that have names."""
     inner: list[Expression] = []
     for node in (node for node in expression.walk() if isinstance(node, Operation)):
         first, last = node.parts[0], node.parts[-1]
@@ -94,7 +94,7 @@ def _divisors(expression: Expression) -> list[Expression]:
 def smooth_pieces(
     expression: Expression, sign: float, known: Mapping[str, Array], most: int = _PIECES
 ) -> list[Expression]:
-    """Smooth expressions whose least, times `sign`, is the expression times `sign`: gradients stop at kinks."""
+    """Return smooth expressions whose least value, times `sign`, is that of the expression: gradients stop at kinks."""
     whole = sign * expression.evaluate(known)
     room = _ROUNDING * np.abs(whole).max()
     for kink in dict.fromkeys(node for node in expression.walk() if isinstance(node, Operation)):
@@ -109,14 +109,14 @@ def smooth_pieces(
 
 
 def _branches(kink: Operation) -> list[Expression]:
-    """Smooth branches of a node, none for a function that is smooth."""
+    """Return the smooth branches of a node, none for a smooth function."""
     if kink.symbol == "abs":
         return [kink.parts[0], Operation("*", (Number(-1.0), kink.parts[0]))]
     return list(kink.parts) if kink.symbol in ("min", "max") else []
 
 
 def _swapped(tree: Expression, node: Expression, other: Expression) -> Expression:
-    """The tree with another node in place of every equal one."""
+    """Return the tree with `other` in place of every node that equals `node`."""
     if tree == node:
         return other
     if isinstance(tree, Operation):
@@ -139,7 +139,7 @@ def unit_notes(label: str, term: Term, values: Array) -> list[str]:
 
 
 def _intended(term: Term, values: Array) -> str:
-    """Question for the prefix that brings the bound closest to the values, where the unit takes one."""
+    """Return a question with the prefix that brings the bound closest to the values, where the unit takes one."""
     unit = term.expression.interface_unit()
     if unit is None or unit.startswith("kg"):
         return "; write a unit after the number"

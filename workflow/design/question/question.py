@@ -43,7 +43,7 @@ class Question:
     variables: dict[str, Array] = field(default_factory=dict)  # physical variables by name, (design,) each, SI
 
     def at(self, x: Array) -> "Question":
-        """The question at designs of scaled variables, (design, variable) or (variable,); terms are shared."""
+        """Return the question at designs of scaled variables, (design, variable) or (variable,); terms are shared."""
         x = np.atleast_2d(x)
         values = {
             name: np.clip(axis.from_unit(x[:, column]), axis.low, axis.high)
@@ -52,8 +52,8 @@ class Question:
         return self.at_variables(values, x)
 
     def at_variables(self, variables: dict[str, Array], x: Array | None = None) -> "Question":
-        """The question at designs of physical variables, (design,) each, SI, which may lie outside the ranges."""
-        other = copy.copy(self)  # with what is cached: neither terms nor scenarios depend on designs
+        """Return the question at designs of physical variables, (design,) each, SI, inside the ranges or not."""
+        other = copy.copy(self)  # with cached terms and scenarios, which do not depend on designs
         object.__setattr__(other, "x", np.empty((0, 0)) if x is None else x)
         object.__setattr__(other, "variables", variables)
         return other
@@ -66,7 +66,7 @@ class Question:
         return {name: replace(axes[name], low=low, high=high) for name, (low, high) in ranges.items()}
 
     def room(self, name: str) -> tuple[float, float]:
-        """Lowest and highest value of a factor whose tolerance stays within the study's range."""
+        """Return the lowest and highest value of a factor whose tolerance stays within the study's range."""
         axis = self.study.factors[name]
         return self.target.room(name, axis.low, axis.high)
 
@@ -82,7 +82,7 @@ class Question:
         return terms
 
     def _measure(self, statement: Objective | Limit) -> RiskMeasure:
-        """Risk measure of a statement; that of a deviation has the weights of its means over each set of scenarios."""
+        """Return the risk measure of a statement; that of a deviation has weights for each set of scenarios."""
         if statement.deviation:
             names = self.target.deviating(statement)
             sets = [scenarios.weights(self.target, names, nodes) for nodes in (scenarios.SEARCHED, self._judged_nodes)]
@@ -105,7 +105,7 @@ class Question:
         return self.terms[self.objectives :]
 
     def excess(self, counts: Array) -> Array:
-        """Relative excess of every limit from values of all terms: (..., terms) -> (..., limit)."""
+        """Return the relative excess of every limit from values of all terms: (..., terms) -> (..., limit)."""
         columns = [term.oriented(counts[..., self.objectives + k]) for k, term in enumerate(self.limits)]
         return np.stack(columns, -1) if columns else np.empty((*counts.shape[:-1], 0))
 
@@ -125,7 +125,7 @@ class Question:
         return scenarios.JUDGED_FILMS if self.study.kind.tabled else scenarios.JUDGED
 
     def _scenarios(self, nodes: dict[int, int], drawn: int) -> dict[Key, Scenarios]:
-        """All sets of scenarios, each with the terms that count over it."""
+        """Return all sets of scenarios, each with the terms that count over it."""
         sets: dict[Key, Scenarios] = {False: scenarios.corners(self.target, nodes)}
         for key in dict.fromkeys(term.measure.key for term in self.terms):
             if isinstance(key, tuple):
@@ -139,7 +139,7 @@ class Question:
         }
 
     def smooth(self, place: int) -> list[Term]:
-        """A term, or one for each of its smooth pieces; all objectives get equally many, repeated if need be."""
+        """Return the smooth pieces of a term; all objectives get equally many, repeated if need be."""
         term, objectives = self.terms[place], range(self.objectives)
         pieces = [replace(term, expression=piece) for piece in self.pieces.get(place, [term.expression])]
         together = objectives if place in objectives else [place]
@@ -152,7 +152,7 @@ class Question:
         return np.array([float(not any(term.meets(other) for other in self.limits)) for term in self.limits])
 
     def factors(self, chosen: Scenarios) -> Factors:
-        """Every factor of the factorial, over (designs, scenarios)."""
+        """Return every factor of the factorial, over (designs, scenarios)."""
         values = {name: np.full((1, 1), value) for name, value in self.held.items()}
         values |= {name: levels[None, :] for name, levels in chosen.values.items()}
         values |= {name: levels[:, None] for name, levels in self.variables.items()}
@@ -162,7 +162,7 @@ class Question:
         return {name: values[name] for name in self.study.factors}
 
     def factor(self, name: str, like: Array) -> Array | None:
-        """A factor over the corner set (verdict or search) whose size matches `like`; None where it is no number."""
+        """Return a factor over the corner set (verdict or search) whose size matches `like`; None for a name."""
         sets = (self.judged[False], self.searched[False])
         factors = self.factors(next((chosen for chosen in sets if chosen.count == like.shape[-1]), sets[0]))
         if name in factors:
@@ -171,7 +171,7 @@ class Question:
         return np.full((1, 1), float(held)) if isinstance(held, float | int) else None
 
     def values(self, source: Source, chosen: Scenarios, terms: Sequence[Term]) -> list[Array]:
-        """Expressions of some terms, (designs, groups, draws) each."""
+        """Return the expressions of some terms, (designs, groups, draws) each."""
         factors = self.factors(chosen)
         known = self.known(source, factors, [term.expression for term in terms])
         zeros = np.zeros(shape(factors))
@@ -179,11 +179,11 @@ class Question:
         return [(term.expression.evaluate(known) + zeros).reshape(split) for term in terms]
 
     def value(self, source: Source, chosen: Scenarios, term: Term) -> Array:
-        """Expression of one term, (designs, groups, draws)."""
+        """Return the expression of one term, (designs, groups, draws)."""
         return self.values(source, chosen, [term])[0]
 
     def count(self, source: Source, sets: Mapping[Key, Scenarios]) -> Array:
-        """Value that every term counts as, (designs, terms)."""
+        """Return the value of every term by its risk measure, (designs, terms)."""
         counted: dict[int, Array] = {}
         for chosen in sets.values():
             evaluated = self.values(source, chosen, list(chosen.terms.values())) if chosen.terms else []
@@ -192,7 +192,7 @@ class Question:
         return np.stack([counted[place] for place in range(len(self.terms))], -1)
 
     def known(self, source: Source, factors: Factors, expressions: Sequence[Expression]) -> dict[str, Array]:
-        """Values of all names in some expressions, over (points, scenarios) or an axis of length one."""
+        """Return the values of all names in some expressions, over (points, scenarios) or an axis of length one."""
         names = list(dict.fromkeys(name for expression in expressions for name in expression.names()))
         learned = [name for name in names if name in ALL_QUANTITIES]
         known = source.values(factors, learned) if learned else {}
@@ -216,7 +216,7 @@ class Question:
         return 1 << int(np.clip(np.log2(most / size), 7, 12))
 
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
-        """The optimiser's program: all terms in smooth pieces over their scenarios, margins on excesses, (limit,)."""
+        """Return the optimiser's problem: smooth pieces of terms over their scenarios; safety: margins, (limit,)."""
         margins = np.zeros(len(self.terms))
         if safety is not None:
             margins[self.objectives :] = safety
@@ -233,7 +233,7 @@ class Question:
         return groups
 
     def _rows(self, source: Source, margins: Array, x: Array) -> tuple[Array, Array]:
-        """Rows of objectives (n, s) and of limits (n, m) at scaled points (n, d)."""
+        """Return rows of objectives (n, s) and of limits (n, m) at scaled points (n, d)."""
         designs = self.at(x)
         wanted_rows, limited_rows = self._split(
             (place, term.oriented(term.measure.rows(values), margins[place]))
@@ -243,7 +243,7 @@ class Question:
         return np.concatenate(wanted_rows, -1), np.concatenate([np.empty((len(x), 0)), *limited_rows], -1)
 
     def _slopes(self, source: Source, x: Array) -> tuple[Array, Array]:
-        """Derivatives of the rows by the scaled variables at one point (d,): (s, d) and (m, d)."""
+        """Return the derivatives of the rows by the scaled variables at one point (d,): (s, d) and (m, d)."""
         derivatives = self._chain_rule if source.step is None else self._quotients
         wanted_rows, limited_rows = self._split(
             (place, term.sign / term.scale * jacobian)
@@ -253,35 +253,33 @@ class Question:
         return np.concatenate(wanted_rows), np.concatenate([np.empty((0, len(x))), *limited_rows])
 
     def _split(self, rows: Iterable[tuple[int, Array]]) -> tuple[list[Array], list[Array]]:
-        """Rows of the objectives and rows of the limits, in the order of the terms."""
+        """Return the rows of the objectives and those of the limits, in the order of the terms."""
         ordered, count = sorted(rows, key=lambda pair: pair[0]), self.objectives
         return [row for place, row in ordered if place < count], [row for place, row in ordered if place >= count]
 
-    def physical_per_scaled(self) -> Array:
-        """Derivatives of the physical variables by the scaled ones at one design, (variable,)."""
-        return np.array([1 / axis.unit_slope(self.variables[name][0]) for name, axis in self.inputs.items()])
-
     def _chain_rule(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term]) -> list[Array]:
-        """Jacobians of the rows by the chain rule: scenarios, then names, then scaled variables."""
+        """Return the Jacobians of the rows by the chain rule: scenarios, then names, then scaled variables."""
         design = self.at(x)
         factors = design.factors(chosen)
         known = design.known(source, factors, [term.expression for term in terms])
         slopes = source.slopes(factors, [name for name in known if name in ALL_QUANTITIES], list(design.variables))
         for name in known.keys() - slopes:
             slopes[name] = np.tile([float(name == variable) for variable in design.variables], (chosen.count, 1))
-        scaling = design.physical_per_scaled()
+        physical_per_scaled = np.array(
+            [1 / axis.unit_slope(design.variables[name][0]) for name, axis in self.inputs.items()]
+        )
         jacobians = []
         for term in terms:
             value, partials = term.expression.partials({name: values[0] for name, values in known.items()})
             slope = np.zeros((chosen.count, len(x)))
             for name, derivative in partials.items():
-                slope += np.broadcast_to(derivative, chosen.count)[:, None] * slopes[name] * scaling
+                slope += np.broadcast_to(derivative, chosen.count)[:, None] * slopes[name] * physical_per_scaled
             values = np.broadcast_to(value, chosen.count).reshape(chosen.groups, chosen.draws)
             jacobians.append(term.measure.jacobian(values) @ slope)
         return jacobians
 
     def _quotients(self, source: Source, x: Array, chosen: Scenarios, terms: list[Term]) -> list[Array]:
-        """Jacobians of the rows by difference quotients, central where the range allows."""
+        """Return the Jacobians of the rows by difference quotients, central where the range allows."""
         d, step = len(x), source.step or 0.0
         ends = np.clip(np.concatenate([x + step * np.eye(d), x - step * np.eye(d)]), -1, 1)
         width = np.diag(ends[:d] - ends[d:])[:, None]

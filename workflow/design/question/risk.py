@@ -1,4 +1,4 @@
-"""Terms of a design question and their risk measures: what a term counts as over its scenarios.
+"""Terms of a design question and their risk measures: the value of a term over its scenarios.
 
 Each risk measure maps values of a term over scenarios, (n, groups, draws), to rows (n, r) that an optimiser bounds,
 and, for one point, to the Jacobian (r, groups * draws) of the rows by the values.
@@ -17,12 +17,12 @@ from approximation.arrays import Array
 from workflow.language import statistics
 from workflow.language.expressions import Expression
 
-#: What tells the sets of scenarios of a question apart: draws or not, or the factors of a deviation.
+#: Key of a set of scenarios: whether they are draws, or the factors of a deviation.
 Key = bool | tuple[str, ...]
 #: Margin below which a limit binds.
 BINDS = 1e-3
 _MEET = 1e-9  # distance of two bounds, over their scale, that leaves one value
-_REST = 1e-3  # share of all weight that scenarios may have which are not among those that decide
+_REST = 1e-3  # share of all weight below which scenarios together do not decide
 
 
 class RiskMeasure(ABC):
@@ -40,16 +40,16 @@ class RiskMeasure(ABC):
 
 
 class WorstCase(RiskMeasure):
-    """Every scenario a row of its own: the worst of them decides."""
+    """The worst scenario decides: one row a scenario."""
 
     key = False
 
     def rows(self, values: Array) -> Array:
-        """The values themselves."""
+        """Return the values, one row a scenario."""
         return values.reshape(len(values), -1)
 
     def jacobian(self, values: Array) -> Array:
-        """The identity."""
+        """Return the identity."""
         return np.eye(values.size)
 
 
@@ -82,7 +82,7 @@ class Quantile(RiskMeasure):
         return np.asarray(np.sort(values, -1) @ _harrell_davis(values.shape[-1], self.share))
 
     def jacobian(self, values: Array) -> Array:
-        """The weights, in the order of the values."""
+        """Return the weights, in the order of the values."""
         ranks = values.argsort(-1).argsort(-1)
         return _by_group(_harrell_davis(values.shape[-1], self.share)[ranks])
 
@@ -91,8 +91,7 @@ class Quantile(RiskMeasure):
 class RelativeDeviation(RiskMeasure):
     """Relative deviations of all draws from the mean of their group, upwards and downwards."""
 
-    # What each draw of a group weighs in its mean, (draws,), by how many there are; equally much where it is empty
-    shares: Mapping[int, Array] = field(default_factory=dict)
+    shares: Mapping[int, Array] = field(default_factory=dict)  # weights of draws, (draws,), by number; empty: equal
     key: Key = ()  # the factors over which the deviation is taken
 
     def _share(self, draws: int) -> Array:
@@ -128,7 +127,7 @@ def _harrell_davis(count: int, share: float) -> Array:
 
 
 def _by_group(weights: Array) -> Array:
-    """Block-diagonal (groups, groups * draws) from (groups, draws)."""
+    """Return block-diagonal (groups, groups * draws) from (groups, draws)."""
     groups, draws = weights.shape
     whole = np.zeros((groups, groups, draws))
     whole[np.arange(groups), np.arange(groups)] = weights
@@ -137,15 +136,15 @@ def _by_group(weights: Array) -> Array:
 
 @dataclass(frozen=True)
 class Term:
-    """An objective or a limited expression, with what it counts as over the scenarios."""
+    """An objective or a limited expression, with its risk measure."""
 
-    label: str  # As the study has it
-    expression: Expression  # What is computed
-    sign: float  # An objective times its sign is maximised; a limit's excess is its sign times what is beyond the bound
-    measure: RiskMeasure  # How scenarios count: the risk measure
-    bound: float = np.nan  # Limit, NaN for an objective
-    scale: float = 1.0  # Size of the bound, or of the expression where the bound is zero
-    unitless: bool = False  # Whether the bound was written without the unit that the expression has
+    label: str  # as the study has it
+    expression: Expression
+    sign: float  # an objective times its sign is maximised; a limit's excess is its sign times value less bound
+    measure: RiskMeasure
+    bound: float = np.nan  # limit, NaN for an objective
+    scale: float = 1.0  # size of the bound, or of the expression where the bound is zero
+    unitless: bool = False  # whether the bound was written without the unit that the expression has
 
     @property
     def limited(self) -> bool:
@@ -167,25 +166,25 @@ class Term:
         return same and self.sign == -other.sign and abs(self.bound - other.bound) <= _MEET * self.scale
 
     def worst(self, rows: Array) -> Array:
-        """The row that decides, over the last axis: the least objective, the largest use of a limit."""
+        """Return the row that decides, over the last axis: the least objective, the largest use of a limit."""
         return np.asarray(rows.min(-1) if (self.sign > 0) != self.limited else rows.max(-1))
 
     def counted(self, values: Array) -> Array:
-        """Value of the term from values over scenarios: (n, groups, draws) -> (n,)."""
+        """Return the value of the term from values over scenarios: (n, groups, draws) -> (n,)."""
         return self.worst(self.measure.rows(values))
 
     def weights(self, values: Array) -> Array:
-        """Weight of every scenario in the row that decides: (groups, draws) -> (scenarios,)."""
+        """Return the weight of every scenario in the row that decides: (groups, draws) -> (scenarios,)."""
         return np.abs(self.slopes(values))
 
     def slopes(self, values: Array) -> Array:
-        """Derivatives of the row that decides by the scenarios' values: (groups, draws) -> (scenarios,)."""
+        """Return the derivatives of the deciding row by the scenarios' values: (groups, draws) -> (scenarios,)."""
         rows = self.measure.rows(values[None])[0]
         row = int(np.flatnonzero(rows == self.worst(rows))[0])
         return np.asarray(self.measure.jacobian(values)[row])
 
     def deciding(self, values: Array) -> NDArray[np.bool_]:
-        """The fewest scenarios that make the row that decides: (groups, draws) -> (scenarios,)."""
+        """Return whether each scenario is among the fewest that decide: (groups, draws) -> (scenarios,)."""
         weights = self.weights(values)
         order = np.argsort(weights)
         decides = np.ones(weights.size, dtype=bool)
@@ -193,7 +192,7 @@ class Term:
         return decides
 
     def oriented(self, rows: Array | float, safety: float = 0.0) -> Array:
-        """Rows that are maximised, or those of a limit as relative excess."""
+        """Return rows of an objective to maximise, or the relative excess of a limit."""
         if not self.limited:
             return np.asarray(self.sign * rows)
         return np.asarray(self.sign * (rows - self.bound) / self.scale + safety)

@@ -1,4 +1,4 @@
-"""The cases that a design must stand: the ends and insides of ranges and tolerances, and draws of distributions."""
+"""Scenarios of a design: nodes of ranges and tolerances, and draws of distributions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -30,15 +30,11 @@ _GAUSS = 512  # points by which a distribution's moments are integrated
 class Scenarios:
     """Values of the factors that a design does not choose."""
 
-    # By factor name, (groups * draws,) each; a group is one case of the ranges, its draws follow each other
-    values: dict[str, Array]
-    # How many
-    groups: int
-    draws: int
-    # The terms of a question that count over them, by their place in it
-    terms: dict[int, Term] = field(default_factory=dict)
-    # By design variable with a tolerance, where in it, -1 to 1, (groups * draws,) each
-    offsets: dict[str, Array] = field(default_factory=dict)
+    values: dict[str, Array]  # by factor, (groups * draws,) each; the draws of a group follow each other
+    groups: int  # number of cases of the ranges
+    draws: int  # number of draws in each group
+    terms: dict[int, Term] = field(default_factory=dict)  # of a question, which count over them, by place
+    offsets: dict[str, Array] = field(default_factory=dict)  # in tolerances, -1 to 1, by variable, (groups * draws,)
 
     @property
     def count(self) -> int:
@@ -46,31 +42,30 @@ class Scenarios:
         return self.groups * self.draws
 
     def only(self, columns: NDArray[np.intp]) -> "Scenarios":
-        """Some of them, a group each."""
+        """Return some of the scenarios, each as a group."""
         values = {name: levels[columns] for name, levels in self.values.items()}
         offsets = {name: levels[columns] for name, levels in self.offsets.items()}
         return replace(self, values=values, offsets=offsets, groups=len(columns), draws=1)
 
 
 def corners(target: Target, nodes: Mapping[int, int]) -> Scenarios:
-    """Tensor of Chebyshev-Lobatto nodes over every range: worst cases, tolerances, supports of distributions."""
-    return _parted(target, _tensor(_levels(target, nodes)), 1)
+    """Return a tensor of Chebyshev-Lobatto nodes over worst cases, tolerances and supports of distributions."""
+    return _scenarios(target, _tensor(_levels(target, nodes)), 1)
 
 
 def along(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Scenarios:
-    """The same in groups: within a group only some names change, over their nodes, which are its draws."""
+    """Return `corners` in groups: the draws of a group are the nodes of some names."""
     levels = _levels(target, nodes)
     groups = _tensor({name: values for name, values in levels.items() if name not in names})
     inner = _tensor({name: levels[name] for name in names})
-    return _parted(target, _crossed(groups, inner), len(inner[names[0]]))
+    return _scenarios(target, _crossed(groups, inner), len(inner[names[0]]))
 
 
 def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) -> Array:
-    """Weight of every draw of `along` in a mean over the distributions of its names; (draws,).
+    """Return the weights of draws of `along` in a mean over the distributions of its names, (draws,).
 
-    An uncertain factor has its own distribution, one of ``worst_case`` and a tolerance the uniform one. The weights
-    are those by which a polynomial through the nodes is integrated: for the uniform one C. W. Clenshaw and A. R.
-    Curtis, Numer. Math. 2 (1960) 197.
+    Worst cases and tolerances count as uniform. The weights integrate the polynomial through the nodes: for a uniform
+    distribution those of C. W. Clenshaw and A. R. Curtis, Numer. Math. 2 (1960) 197.
     """
     all_levels, parts = _levels(target, nodes), list[Array]()
     for name in names:
@@ -90,7 +85,7 @@ def weights(target: Target, names: tuple[str, ...], nodes: Mapping[int, int]) ->
 
 
 def draws(target: Target, count: int) -> Scenarios:
-    """Sobol' draws of the distributions, uniform within tolerances, at a few nodes of every worst-case range."""
+    """Return Sobol' draws of the distributions, uniform within tolerances, at a few nodes of worst-case ranges."""
     count_of_nodes = GROUPS.get(len(target.worst_case), 3)
     groups = _tensor({name: _nodes(low, high, count_of_nodes) for name, (low, high) in target.worst_case.items()})
     # the middle of its cell instead of the corner: no draw is an end of a support
@@ -99,19 +94,19 @@ def draws(target: Target, count: int) -> Scenarios:
         name: target.uncertain[name].quantile(share) if name in target.uncertain else 2 * share - 1
         for name, share in zip(target.random, shares.T, strict=True)
     }
-    return _parted(target, _crossed(groups, drawn), count)
+    return _scenarios(target, _crossed(groups, drawn), count)
 
 
 def _crossed(groups: Mapping[str, Array], inner: Mapping[str, Array]) -> dict[str, Array]:
-    """Every case of some groups with every one of the inner cases, which follow each other."""
+    """Return every group with every one of the inner cases, which follow each other."""
     size = len(next(iter(inner.values())))
     count = len(next(iter(groups.values()))) if groups else 1
     whole = {name: np.repeat(values, size) for name, values in groups.items()}
     return whole | {name: np.tile(values, count) for name, values in inner.items()}
 
 
-def _parted(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:
-    """Scenarios of some levels of factors and of places in tolerances, all of one length."""
+def _scenarios(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:
+    """Return scenarios of levels of factors and of offsets in tolerances, all of one length."""
     values = {name: values for name, values in levels.items() if name not in target.tolerance}
     offsets = {name: values for name, values in levels.items() if name in target.tolerance}
     count = len(next(iter(levels.values()))) if levels else 1
@@ -119,7 +114,7 @@ def _parted(target: Target, levels: dict[str, Array], draws: int) -> Scenarios:
 
 
 def _levels(target: Target, nodes: Mapping[int, int]) -> dict[str, Array]:
-    """Nodes of every range: of worst cases, of the supports of distributions, and of tolerances, which are short."""
+    """Return the nodes of worst cases, of supports of distributions, and of tolerances, which need few."""
     ranges = target.ranges
     count = nodes.get(len(ranges) + len(target.tolerance), 3)
     levels = {name: _nodes(low, high, count) for name, (low, high) in ranges.items()}
@@ -131,6 +126,6 @@ def _nodes(low: float, high: float, count: int) -> Array:
 
 
 def _tensor(levels: Mapping[str, Array]) -> dict[str, Array]:
-    """Every combination of the levels of some names, (cases,) each; nothing for no name."""
+    """Return every combination of the levels of some names, (cases,) each; empty without names."""
     cases = np.array(list(product(*levels.values())), dtype=np.float64)
     return {name: cases[:, column] for column, name in enumerate(levels)}

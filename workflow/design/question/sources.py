@@ -17,13 +17,13 @@ from workflow.study.categories import Combination, output
 from workflow.study.model import Study
 
 _DIMS = ("point", "scenario")
-_DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, where the field below the contact is judged
+_DEPTHS = np.linspace(-2.0, 0.0, 17)  # in half-widths, at which the field below the contact is solved
 #: Factors by name over (points, scenarios); an axis that does not change a factor has length one.
 Factors = dict[str, Array]
 
 
 def shape(factors: Factors) -> tuple[int, ...]:
-    """(points, scenarios)."""
+    """Return the shape (points, scenarios) of factors."""
     return np.broadcast_shapes(*(values.shape for values in factors.values()))
 
 
@@ -35,10 +35,10 @@ class Source(ABC):
 
     @abstractmethod
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities by name, (points, scenarios) each."""
+        """Return quantities by name, (points, scenarios) each."""
 
     def slopes(self, factors: Factors, names: Sequence[str], over: Sequence[str]) -> dict[str, Array]:
-        """Derivatives at one point, (scenarios, variables) each, in physical units."""
+        """Return derivatives at one point, (scenarios, variables) each, in physical units."""
         raise NotImplementedError("difference quotients take the place of derivatives")
 
 
@@ -54,32 +54,32 @@ class Exact(Source):
     @override
     def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
         if self._study.costly.isdisjoint(names):
-            return self._anew(factors, names)
-        return self._remembered(factors, names)
+            return self._solve(factors, names)
+        return self._solve_once(factors, names)
 
-    def _remembered(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities of costly cases, each of which is solved once: the terms of a question share their scenarios."""
+    def _solve_once(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """Return quantities of costly cases, solved once each: the terms of a question share their scenarios."""
         whole, over = shape(factors), sorted(factors)
         columns = [np.broadcast_to(factors[name], whole).ravel().tolist() for name in over]
         rows = list(zip(*columns, strict=True))
         missing = list(dict.fromkeys(row for row in rows if not self._solved.get(row, {}).keys() >= {*names}))
         if missing:
-            anew = dict(zip(over, np.array(missing).T[:, None], strict=True))
-            # a case has all of them at one price
+            missing_factors = dict(zip(over, np.array(missing).T[:, None], strict=True))
+            # one solution has all but the peaks
             together = [name for name in self._study.quantities if name not in ALL_PEAKS]
-            solved = self._anew(anew, together if {*together} >= {*names} else names)
+            solved = self._solve(missing_factors, together if {*together} >= {*names} else names)
             cases = np.stack([np.broadcast_to(values, (1, len(missing)))[0] for values in solved.values()], -1)
             for row, case in zip(missing, cases.tolist(), strict=True):
                 self._solved[row] = self._solved.get(row, {}) | dict(zip(solved, case, strict=True))
         return {name: np.array([self._solved[row][name] for row in rows]).reshape(whole) for name in names}
 
-    def _anew(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
-        """Quantities of cases from the solver."""
+    def _solve(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        """Return quantities of cases from the solver."""
         peaks = [name for name in names if name in ALL_PEAKS]
         return _values(factorial.exact(self._study, _labelled(factors), peaks=peaks), names)
 
     def field_below(self, factors: Factors) -> float:
-        """Largest electric field below the contact's middle, two half-widths deep, over all cases [V/m]."""
+        """Return the largest electric field below the contact's middle, to two half-widths, over all cases [V/m]."""
         parts = ("electric_field_x", "electric_field_y")
         solved = self._study.solved(
             solve_interior, {**self._study.fixed, **_labelled(factors)}, [0.0], _DEPTHS, fields=parts
@@ -103,7 +103,7 @@ class Predicted(Source):
         return {name: mean[:, self._column(name, model)].reshape(whole) for name in names}
 
     def errors(self, factors: Factors, weights: Mapping[str, Array]) -> tuple[float, float]:
-        """Standard deviation and reach of a weighted sum of quantities over scenarios, with correlated errors."""
+        """Return standard deviation and reach of a weighted sum of quantities over scenarios, errors correlated."""
         X, _ = self._points(factors)
         model = self._of(list(weights))
         columns = np.zeros((len(X), len(model.outputs_)))
@@ -124,7 +124,7 @@ class Predicted(Source):
         return {name: slopes[:, self._column(name, model)] for name in names}
 
     def _of(self, names: Sequence[str]) -> GaussianProcess:
-        """The model of these quantities, of one if there are none: what follows from curves costs a search each."""
+        """Return the model of some quantities, at least one: each that follows from curves costs a search."""
         if not isinstance(self._model, CurveGP):
             return self._model
         outputs = tuple(dict.fromkeys(output(name, self._combination) for name in names)) or self._model.outputs_[-1:]
@@ -141,13 +141,13 @@ class Predicted(Source):
 
 
 def _values(solved: xr.Dataset, names: Sequence[str]) -> dict[str, Array]:
-    """Quantities of solved cases, (points, scenarios) each, or of length one along what does not change them."""
+    """Return quantities of solved cases, (points, scenarios) each, with length one where they do not change."""
     lacking = [dim for dim in _DIMS if dim not in solved.dims]
     return {name: solved[name].expand_dims(lacking).transpose(*_DIMS).values for name in names}
 
 
 def _labelled(factors: Factors) -> dict[str, xr.DataArray]:
-    """Factors with the dimensions that each changes along."""
+    """Return factors with the dimensions along which each changes."""
     return {
         name: xr.DataArray(
             values.squeeze(), dims=[dim for dim, size in zip(_DIMS, values.shape, strict=True) if size > 1]

@@ -1,4 +1,4 @@
-"""The contact of a recommended design: exact fields on and below the surface, in the scenario that decides."""
+"""Exact fields on and below the surface of a recommended design, in the scenario that decides."""
 
 from collections.abc import Mapping
 
@@ -20,7 +20,7 @@ _X, _Y = np.linspace(-3.0, 3.0, 121), -np.linspace(0.03, 3.0, 61)
 
 
 def fields(study: Study, case: Mapping[str, float]) -> xr.Dataset:
-    """Exact fields of one case of a study; none of a contact in space, which has maps in place of lines."""
+    """Return exact fields of one case of a study; none of a contact in space, which has maps in place of lines."""
     if study.kind.space:
         return xr.Dataset()
     factors = {**study.fixed, **case}

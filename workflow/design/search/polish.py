@@ -1,4 +1,4 @@
-"""The best design of one choice, and its polish on the exact solver: limits are shifted until it stands its verdict."""
+"""The best design of one choice, and its polish on the exact solver: limits are shifted until the verdict holds."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -16,31 +16,29 @@ from workflow.design.verdict import assessment
 from workflow.design.verdict.answer import ROOM, ROUNDING
 from workflow.language import titles
 
-_SMALL = 1e-3  # share of its range below which an objective is no scale of its own
-_NOTHING = Optimum(np.empty(0), -np.inf, np.empty(0), False)
-_ROUNDS = 6  # polishes, each with limits shifted by what many more scenarios say
+_SMALL = 1e-3  # share of its range below which an objective's value is no scale
+_NO_OPTIMUM = Optimum(np.empty(0), -np.inf, np.empty(0), False)
+_ROUNDS = 6  # polishes, each with limits shifted by the result of many more scenarios
 _SAFETY = 1e-10  # relative safety margin, beyond rounding
 _NEAR = 1e-6  # relative distance at which a limit binds
-_FLAT, _SAME = 5, 1e-9  # values of a variable, and relative change of the goal over them that is none
-_UNMOVED = 1e-6  # length of a scaled range to which a variable that does not matter is found
+_FLAT, _SAME = 5, 1e-9  # values of a variable, and relative change of the goal over them that counts as none
+_UNMOVED = 1e-6  # length of a scaled range to which a variable without effect is found
 _LOST = 1e-6  # share of the objective that safety margins may cost
-_RETREATS = 3  # steps back behind limits that many more scenarios judge
+_RETREATS = 3  # steps back behind limits over the scenarios of the verdict
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """The best design of one choice, as far as the search for it has come."""
+    """The best design of one choice, at some stage of the search."""
 
-    choice: dict[str, float | str]  # Values of the variables with a list, and names of the categories
+    choice: dict[str, float | str]  # values of the variables with a list, and names of the categories
     question: Question  # for this choice
-    best: Optimum = _NOTHING  # The best design
-    front: Front | None = None  # The Pareto front, where there are several objectives
-    normalisation: tuple[Array, Array] | None = None  # Reference and weights of the one objective that stands for them
-    # How the best design was polished, and in how many cases that are searched for
-    polish: str = ""
-    cases: int = 0
-    # Better choices by the surrogate, none of whose designs keeps every limit on the exact solver
-    passed: "tuple[Candidate, ...]" = ()
+    best: Optimum = _NO_OPTIMUM
+    front: Front | None = None  # with several objectives
+    normalisation: tuple[Array, Array] | None = None  # reference and weights of their compromise
+    polish: str = ""  # its description
+    cases: int = 0  # costly cases of the polish
+    passed: "tuple[Candidate, ...]" = ()  # better choices by the surrogate that miss a limit on the exact solver
 
     @property
     def design(self) -> Question:
@@ -49,7 +47,7 @@ class Candidate:
 
     @property
     def words(self) -> str:
-        """The choice in words: names as they are, numbers with theirs."""
+        """Choice in words: names as they are, numbers with the names of their variables."""
         return ", ".join(
             value if isinstance(value, str) else f"{titles.title(key)} {titles.value(key, value, 4)}"
             for key, value in self.choice.items()
@@ -57,42 +55,39 @@ class Candidate:
         )
 
     def problem(self, source: Source, safety: Array | None = None) -> Problem:
-        """The optimiser's question with safety margins, (limits,); several objectives as the fronts' compromise."""
+        """Return the optimiser's problem with safety margins, (limits,); several objectives as their compromise."""
         problem = self.question.problem(source, safety)
         if self.normalisation is None:
             return problem
         return scalarised(problem, self.question.objectives, *self.normalisation)
 
     def sought(self, source: Source) -> "Candidate":
-        """The best design of the whole box."""
+        """Search the whole box for the best design."""
         return replace(self, best=maximise(self.problem(source), scan=self.question.scan))
 
     def improved(self, source: Source, safety: Array) -> "Candidate":
-        """The best design near this one, with a safety margin to every limit; safety: (limits,), relative margins."""
+        """Search near this design for the best one; safety: relative margins to the limits, (limits,)."""
         best = self.best
         return replace(self, best=improve(self.problem(source, safety), best.x, self.size(best.objective)))
 
     def retreated(self, source: Source, safety: Array) -> "Candidate":
-        """The nearest design behind the limits with their safety margins; safety: (limits,), relative margins."""
+        """Search for the nearest design behind the limits; safety: relative margins, (limits,)."""
         problem = self.problem(source, safety)
         return replace(self, best=replace(self.best, x=retreat(problem, self.best.x))).counted(source)
 
     def counted(self, source: Source) -> "Candidate":
-        """The same design, with what it comes to on another source."""
+        """Return the same design with its values on another source."""
         objective, excess = (rows[0] for rows in self.problem(source).value(self.best.x[None]))
         return replace(self, best=replace(self.best, objective=float(objective.min()), excess=excess))
 
     def size(self, objective: float) -> float:
-        """Scale of the objective at a value; next to zero, a share of its range."""
+        """Return the scale of the objective at a value; next to zero, a share of its range."""
         spread = self.question.spread if self.normalisation is None else 1.0
         return max(abs(objective), _SMALL * spread) or 1.0
 
 
 def first_feasible(candidates: Iterable[Candidate]) -> Candidate:
-    """The best choice that stays feasible on the exact solver, or else the first one, polished.
-
-    Better choices that no polish brings within their limits are told in its words and kept in ``passed``.
-    """
+    """Return the best choice that stays feasible on the exact solver, with better ones in ``passed``, or the first."""
     passed: list[Candidate] = []
     for candidate in sorted(candidates, key=_rank, reverse=True):
         polished = _cheapest(_polish(candidate))
@@ -105,13 +100,13 @@ def first_feasible(candidates: Iterable[Candidate]) -> Candidate:
 
 
 def _rank(candidate: Candidate) -> tuple[bool, float]:
-    """Feasible before infeasible; then the objective, or the least violation."""
+    """Sort feasible before infeasible candidates, then by the objective or the violation."""
     best = candidate.best
     return best.feasible, best.objective if best.feasible else -float(best.excess.max(initial=-np.inf))
 
 
 def _missed(passed: Candidate) -> str:
-    """Why a choice that is better by the surrogate is not taken."""
+    """Return the reason for which a choice that is better by the surrogate is not taken."""
     excess = _excess(passed.design, costly.affordable(passed.question)).judged
     missed = passed.question.limits[excess.argmax()].label
     return f"{passed.words} is better and not taken: it misses {missed} by {excess.max():.2g} of it"
@@ -121,10 +116,9 @@ def _missed(passed: Candidate) -> str:
 class _Excess:
     """Relative excess of every limit at one design."""
 
-    # Over the many scenarios of the verdict, exactly, and the few of the search, on what polishes; (k,)
-    judged: Array
-    searched: Array
-    cases: int  # Searched cases that this took
+    judged: Array  # exact, over the many scenarios of the verdict, (limit,)
+    searched: Array  # on the source of the polish, over the few scenarios of the search, (limit,)
+    cases: int  # costly cases of both
 
     @property
     def kept(self) -> NDArray[np.bool_]:
@@ -133,7 +127,7 @@ class _Excess:
 
     @property
     def beyond(self) -> bool:
-        """Return whether some limit is missed, and none by more than a step back can mend."""
+        """Return whether some limit is missed, but each by little, so that a step back may help."""
         return not np.all(self.kept) and bool(np.all(self.judged <= _NEAR))
 
     def agrees(self, safety: Array) -> bool:
@@ -149,11 +143,7 @@ def _excess(design: Question, source: Source) -> _Excess:
 
 
 def _polish(candidate: Candidate) -> Candidate:
-    """The same on the exact solver, until the many scenarios of the verdict say what the few of the search say.
-
-    What is too costly for the optimiser it takes from the surrogate, shifted to what the exact solver says. Where the
-    surrogate has led to no design that keeps the limits though it knows one, the exact solver is searched itself.
-    """
+    """Polish a candidate on the exact solver until the scenarios of verdict and search agree; costly parts shifted."""
     polished = _shifted(candidate)
     if (
         polished.best.feasible
@@ -162,12 +152,13 @@ def _polish(candidate: Candidate) -> Candidate:
         or not candidate.question.inputs
     ):
         return polished
-    anew = _shifted(candidate.sought(candidate.question.exact))
-    return anew if anew.best.feasible else polished
+    # the surrogate has led to no feasible design though it knows one: search on the exact solver itself
+    searched = _shifted(candidate.sought(candidate.question.exact))
+    return searched if searched.best.feasible else polished
 
 
 def _shifted(candidate: Candidate) -> Candidate:
-    """The best of the designs that keep the limits, each polished with these shifted by what the last one missed."""
+    """Return the best of the feasible designs, each polished with limits shifted by the last one's excess."""
     question, source = candidate.question, costly.affordable(candidate.question)
     usual = (costly.SAFETY if costly.asked(question) else _SAFETY) * question.inequality
     rounds = _ROUNDS if question.inputs else 0
@@ -182,7 +173,7 @@ def _shifted(candidate: Candidate) -> Candidate:
         done = not current.best.feasible or excess.agrees(safety)
         if (k > 0 and done) or k == rounds or spent + excess.cases > costly.most(question):
             break
-        # what a few scenarios make of a limit differs from what many do: shift it by that
+        # shift limits by the difference between many and few scenarios
         safety = excess.judged - excess.searched + usual
         current = current.improved(source, safety)
     if excess.beyond and not (last is not None and _lost(last, current)):
@@ -197,7 +188,7 @@ def _shifted(candidate: Candidate) -> Candidate:
 def _retreated(
     last: Candidate | None, current: Candidate, excess: _Excess, source: Source, usual: Array
 ) -> tuple[Candidate | None, int]:
-    """The nearest design to one next to the limits that keeps them, or the last one, and the searched cases it took."""
+    """Return the nearest feasible design to one next to the limits, or the last one, and the costly cases."""
     cases = 0
     for _ in range(_RETREATS):
         current = current.retreated(source, excess.judged - excess.searched + usual)
@@ -215,11 +206,7 @@ def _lost(last: Candidate, current: Candidate) -> bool:
 
 
 def _cheapest(candidate: Candidate) -> Candidate:
-    """The least of every variable that does not matter to the goal, at which every limit keeps its room.
-
-    What does not matter need not be bought: a stated rule. Every limit has ``ROOM`` then, or as much as it
-    has anyway. Where cases are costly no variable was seen not to matter.
-    """
+    """Set variables without effect on the goal to the least value at which every limit keeps ``ROOM``, or its room."""
     question, design, x = candidate.question, candidate.design, candidate.best.x.copy()
     if not candidate.best.feasible or question.objectives > 1 or costly.asked(question):
         return candidate
@@ -245,7 +232,7 @@ def _cheapest(candidate: Candidate) -> Candidate:
 
 
 def _moved(x: Array, column: int, value: float) -> Array:
-    """One design with one variable elsewhere, (1, d)."""
+    """Return one design with one variable at another value, (1, d)."""
     moved = x[None].copy()
     moved[0, column] = value
     return moved

@@ -1,4 +1,4 @@
-"""Design: the best factors under limits, found on the surrogate, polished and judged exactly; tolerances' cost."""
+"""Answers to design targets: searched on the surrogate, polished and judged exactly; the cost of tolerances."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -28,12 +28,16 @@ from workflow.study.model import Study
 from workflow.study.reading import InputError
 from workflow.study.target import Target
 
-_SAFETY = 1e-6  # relative safety margin to the limits, beside the surrogate's own doubt
-_KEPT = 1e-9  # exact excess that counts as none: the optimiser's own accuracy
+_SAFETY = 1e-6  # relative safety margin to the limits, beside the surrogate's intervals
+_KEPT = 1e-9  # exact excess that counts as none: the optimiser's accuracy
+_TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
+_MAP, _COARSE, _COARSEST = 81, 41, 17  # points a side of the map; fewer where every point has many draws
+_MANY = 128  # scenarios a point from which the map is coarse
+_SLICE = 121  # points of a slice
 
 
 def trace(question: Question) -> Front | None:
-    """The front on the surrogate, with the safety margin that its uncertainty asks for; None: not feasible."""
+    """Return the front on the surrogate, with safety margins of its uncertainty; None if no design is feasible."""
     problem = question.problem(question.predicted, _SAFETY * question.inequality)
     if not question.inputs:
         return _point(problem, question.objectives)
@@ -46,7 +50,7 @@ def trace(question: Question) -> Front | None:
 
 
 def _point(problem: Problem, objectives: int) -> Front | None:
-    """The front of a question without continuous variables: its one design, if that keeps the limits."""
+    """Return the front of a question without continuous variables: its one design, if that is feasible."""
     x = np.empty((1, 0))
     rows, excess = problem.value(x)
     values = rows.reshape(1, objectives, -1).min(-1)
@@ -54,7 +58,7 @@ def _point(problem: Problem, objectives: int) -> Front | None:
 
 
 def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
-    """Least value of every objective over some fronts together, and its range: what a compromise is measured by."""
+    """Return least value and range of every objective over some fronts, by which a compromise is measured."""
     values = np.concatenate([part.values for part in traced])
     values = values[non_dominated(values)]
     span = np.ptp(values, axis=0)
@@ -62,7 +66,7 @@ def normalisation(traced: Sequence[Front]) -> tuple[Array, Array]:
 
 
 def best_of(traced: Front, problem: Problem) -> Optimum:
-    """The design of a front that a scalarised problem rates highest."""
+    """Return the design of a front that a scalarised problem rates highest."""
     objective, excess = problem.value(traced.x)
     best = int(objective.min(1).argmax())
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
@@ -89,20 +93,13 @@ def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
 
 
 def merged(parts: Mapping[str, xr.Dataset], signs: Array) -> xr.Dataset:
-    """The front of all choices: what no design of any of them dominates, sorted by the first objective."""
+    """Return the front of all choices: the non-dominated designs, sorted by the first objective."""
     whole = xr.concat(
         [part.assign(front_choice=("front", [name] * part.sizes["front"])) for name, part in parts.items()], "front"
     )
     values = whole["front_exact"].transpose("front", "objective").values
     undominated = np.flatnonzero(non_dominated(values * signs))
     return whole.isel(front=undominated[np.argsort(values[undominated, 0])])
-
-
-_TIGHTER = 0.5  # share of a tolerance that is left when it is tightened in words
-
-_MAP, _COARSE, _COARSEST = 81, 41, 17  # points a side of the map; fewer where every point stands for many draws
-_MANY = 128  # scenarios a point from which the map is coarse
-_SLICE = 121  # points of a slice
 
 
 def solve_target(study: Study, name: str, model: GaussianProcess) -> Answer:
@@ -139,7 +136,7 @@ def answer(study: Study, name: str, target: Target, model: GaussianProcess) -> A
 
 
 def _left_out(study: Study, target: Target, judged: Answer) -> tuple[leftout.LeftOut, ...]:
-    """Effects that the model leaves out at a design: of signals at its smallest force, of stresses at its largest."""
+    """Return the effects that the model leaves out: of signals at the smallest force, of stresses at the largest."""
     force = study.kind.loads.force
     case: dict[str, Any] = {**study.fixed, **judged.case}
     cases = [case | {force: end} for end in dict.fromkeys(target.ranges.get(force, (case[force],)))]
@@ -149,30 +146,30 @@ def _left_out(study: Study, target: Target, judged: Answer) -> tuple[leftout.Lef
 
 
 def _candidates(study: Study, name: str, target: Target, model: GaussianProcess) -> list[Candidate]:
-    """Optimum of every choice on the surrogate, with the safety margin that its uncertainty asks for."""
-    asked = [_asked(study, name, target, model, choice) for choice in combinations(study, target)]
-    several = asked[0].question.objectives > 1
-    traced = [trace(candidate.question) if several else None for candidate in asked]
+    """Return the optimum of every choice on the surrogate, with safety margins of its uncertainty."""
+    candidates = [_candidate(study, name, target, model, choice) for choice in combinations(study, target)]
+    several = candidates[0].question.objectives > 1
+    traced = [trace(candidate.question) if several else None for candidate in candidates]
     fronts = [traced_front for traced_front in traced if traced_front is not None]
     scales = normalisation(fronts) if fronts else None
     return [
         _climbed(replace(candidate, front=traced_front, normalisation=scales))
-        for candidate, traced_front in zip(asked, traced, strict=True)
+        for candidate, traced_front in zip(candidates, traced, strict=True)
     ]
 
 
 def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> Tolerated:
-    """Cost of the tolerances of the best design."""
+    """Return the cost of the tolerances of the best design."""
     nominal = target.model_copy(update={"tolerance": {}})
     if costly.asked(best.question):  # near the design: a search of its own would cost as much as the design did
-        without = near(best, _asked(study, name, nominal, model, best.choice))
+        without = near(best, _candidate(study, name, nominal, model, best.choice))
     else:
         without = polish.first_feasible(_candidates(study, name, nominal, model))
     return costs(best, without)
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
-    """Every combination of the values of variables with a list, and of the names of categories."""
+    """Return every combination of the values of variables with a list, and of the names of categories."""
     lists: dict[str, Sequence[float | str]] = {
         name: variable.choices for name, variable in target.variables.items() if variable.choices
     }
@@ -182,9 +179,10 @@ def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
     return [dict(zip(lists, values, strict=True)) for values in product(*lists.values())]
 
 
-def _asked(
+def _candidate(
     study: Study, name: str, target: Target, model: GaussianProcess, choice: dict[str, float | str]
 ) -> Candidate:
+    """Return a choice with its question, before any search."""
     categories = {key: str(choice[key]) for key in study.categories}
     held = {key: float(value) for key, value in choice.items() if key not in categories}
     wanted = [output(quantity, categories) for quantity in target.names() if quantity in ALL_QUANTITIES]
@@ -193,8 +191,9 @@ def _asked(
 
 
 def _climbed(candidate: Candidate) -> Candidate:
+    """Return a candidate with its optimum on the surrogate."""
     question, predicted = candidate.question, candidate.question.predicted
-    if not question.inputs:  # one design, which the solver counts
+    if not question.inputs:  # one design, which is solved exactly
         only = candidate.counted(costly.affordable(question))
         return replace(only, best=replace(only.best, feasible=bool(np.all(only.best.excess <= ROUNDING))))
     if candidate.front is not None:
@@ -202,20 +201,20 @@ def _climbed(candidate: Candidate) -> Candidate:
     else:
         first = candidate.sought(predicted)
     safer = first.improved(predicted, assessment.doubts(first.design) * question.inequality)
-    # where no design is as far from the limits as the surrogate is in doubt, the exact solver decides if it can
-    decided = first.best.feasible and not safer.best.feasible and not costly.asked(question)
-    return first if decided else safer
+    # where no design keeps the surrogate's uncertainty from the limits, the exact solver decides if cases are cheap
+    solver_decides = first.best.feasible and not safer.best.feasible and not costly.asked(question)
+    return first if solver_decides else safer
 
 
 def _front(candidates: list[Candidate]) -> xr.Dataset:
-    """The exact front of all choices."""
+    """Return the exact front of all choices."""
     traced = [(candidate, candidate.question.at(candidate.front.x)) for candidate in candidates if candidate.front]
     parts = {candidate.words: verified(designs, 1 / len(traced)) for candidate, designs in traced}
     return merged(parts, np.array([objective.sign for objective in candidates[0].question.target.objectives]))
 
 
 def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:
-    """The categories of a design."""
+    """Return the categories of a design."""
     return tuple(
         Category(name, kind, Role.VARIABLE if name in target.variables else Role.GIVEN)
         for name, kind in best.choice.items()
@@ -224,7 +223,7 @@ def _categories(target: Target, best: Candidate) -> tuple[Category, ...]:
 
 
 def _choices(best: Candidate, candidates: list[Candidate], sign: float) -> tuple[Choice, ...]:
-    """The best of every choice on the surrogate, where there are several."""
+    """Return the best of every choice on the surrogate, where there are several."""
     several = candidates if len(candidates) > 1 else []
     passed = [candidate.choice for candidate in best.passed]
     return tuple(
@@ -238,13 +237,13 @@ def _choices(best: Candidate, candidates: list[Candidate], sign: float) -> tuple
 
 
 def costs(best: Candidate, without: Candidate) -> Tolerated:
-    """Cost of the tolerances of the best design against the one without tolerances."""
+    """Return the cost of the tolerances of the best design against the one without tolerances."""
     target, design = best.question.target, without.design
     whole = _reached(best, target.tolerance)
     cost, gain = dict[str, float](), dict[str, float]()
     for name in target.tolerance:
-        others = {key: reach for key, reach in target.tolerance.items() if key != name}
-        cost[name] = _share(_reached(best, others), whole)
+        other_tolerances = {key: reach for key, reach in target.tolerance.items() if key != name}
+        cost[name] = _share(_reached(best, other_tolerances), whole)
         gain[name] = _share(_reached(best, {**target.tolerance, name: _tightened(target, name)}), whole)
     values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
     exact, _ = assessment.exactly(design, design.terms[:1])
@@ -258,7 +257,7 @@ def _tightened(target: Target, name: str) -> str:
 
 
 def near(best: Candidate, other: Candidate) -> Candidate:
-    """The best design of another question near that of one with the same variables, on the surrogate."""
+    """Return the best design of another question with the same variables near a design, on the surrogate."""
     physical = best.design.variables
     inputs = other.question.inputs
     start = np.array([float(axis.to_unit(physical[name])[0]) for name, axis in inputs.items()])
@@ -267,7 +266,7 @@ def near(best: Candidate, other: Candidate) -> Candidate:
 
 
 def _reached(best: Candidate, tolerance: Mapping[str, float | str]) -> float:
-    """The goal near a design under other tolerances, on the surrogate."""
+    """Return the goal near a design under other tolerances, on the surrogate."""
     target = best.question.target.model_copy(update={"tolerance": tolerance})
     nearby = near(best, replace(best, question=replace(best.question, target=target))).best
     return nearby.objective if nearby.feasible else np.nan
@@ -278,12 +277,12 @@ def _share(other: float, whole: float) -> float:
 
 
 def map_and_slices(design: Question) -> xr.Dataset:
-    """Map and slices of the first objective on the surrogate, through one design."""
+    """Return map and slices of the first objective on the surrogate, through one design."""
     return xr.merge([_map(design), _slices(design)])
 
 
 def _points(question: Question, fine: int, coarse: int, coarsest: int) -> int:
-    """Points a side: fewer where each stands for many scenarios, and fewest where one costs as much as a film's."""
+    """Return the points a side: fewer where each has many scenarios, and fewest on films."""
     if sum(chosen.count for chosen in question.searched.values()) < _MANY:
         return fine
     return coarsest if question.study.kind.tabled else coarse
@@ -331,7 +330,7 @@ def _slices(design: Question) -> xr.Dataset:
 
 
 def _counted(designs: Question) -> tuple[Array, Array]:
-    """The first objective as it counts, and the largest excess, of every design."""
+    """Return the first objective by its risk measure, and the largest excess, of every design."""
     objective, excess = designs.problem(designs.predicted).value(designs.x)
     count = objective.shape[1] // designs.objectives
     return designs.terms[0].sign * objective[:, :count].min(1), excess.max(1, initial=-np.inf)

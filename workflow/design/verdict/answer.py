@@ -1,4 +1,4 @@
-"""The answer to a design question, as values: its terms, its variables, and the case that decides."""
+"""The answer to a design question as values: its terms, its variables, and the case that decides."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,9 +15,9 @@ from workflow.language import titles
 from workflow.language.numbers import number, shown
 from workflow.language.statements import Limit, Objective
 
-#: Margin that a variable which does not matter leaves to every limit.
+#: Margin that a variable without effect on the goal leaves to every limit.
 ROOM = 0.01
-_PLAIN = 10.0  # times a limit, from which an excess is written without digits behind the point
+_PLAIN = 10.0  # excess over a limit from which it is written without decimals
 #: Every factor of the factorial in one case, in SI.
 Scenario = Mapping[str, float]
 
@@ -54,12 +54,12 @@ class Term:
 
     @property
     def broken(self) -> bool:
-        """Return whether it is a violated limit."""
+        """Return whether the term is a violated limit."""
         return self.margin < -ROUNDING
 
     @property
     def binds(self) -> bool:
-        """Return whether it is a limit with next to no margin."""
+        """Return whether the term is a limit with next to no margin."""
         return self.margin < BINDS
 
     @property
@@ -74,24 +74,24 @@ class Term:
 
     @property
     def shown_units(self) -> str:
-        """The unit in which its values are told: deviations are shares."""
+        """Unit in which the term's values are shown: % for deviations."""
         return titles.units(self.statement, self.units)
 
     def shown(self, value: float, digits: int = 3) -> str:
-        """One of its values with the unit."""
+        """Return one of the term's values with the unit."""
         return shown(value, self.shown_units, digits)
 
     @property
     def at(self) -> str:
-        """The bound, and whose it is."""
+        """Bound in words, with its material."""
         assert isinstance(self.statement, Limit)
         share = f"{number(100 * self.statement.value, 3)} % of " if self.statement.value != 1 else ""
-        bound = self.bound.replace(" (", "; ").removesuffix(")")  # what is in brackets already, within ours
+        bound = self.bound.replace(" (", "; ").removesuffix(")")  # no brackets within brackets
         return f"{self.shown(self.limit)}{f' ({share}the {bound})' if bound else ''}"
 
     @property
     def words(self) -> str:
-        """The limit with its bound."""
+        """Limit in words, with its bound."""
         assert isinstance(self.statement, Limit)
         chance = self.statement.probability
         promised = f" with probability {chance:g}" if chance is not None else ""
@@ -117,7 +117,7 @@ class End(StrEnum):
 
     @classmethod
     def of(cls, *, upper: bool, studied: bool) -> "End":
-        """The end of that side and range."""
+        """Return the end of a side and a range."""
         return cls(f"{'upper' if upper else 'lower'} end of the {'studied range' if studied else 'range asked for'}")
 
     @property
@@ -127,7 +127,7 @@ class End(StrEnum):
 
     @property
     def words(self) -> str:
-        """The end in a sentence about its variable."""
+        """End in a sentence about its variable."""
         return f"the {self.replace('the studied range', 'its range')}"
 
 
@@ -148,10 +148,10 @@ class Sensitivity:
 class Variable:
     """A factor of the design, chosen or given."""
 
-    name: str  # Of the factor
+    name: str
     value: Annotated[float, "factor of the design, over its SI unit"]
     role: Annotated[Role, "what the factor is in the design"]
-    sensitivity: Sensitivity  # What small errors in it make of the design
+    sensitivity: Sensitivity
     tolerance: Annotated[str, "how far the factor may be off as built"] = ""
     edge: Annotated[End | None, "which end of its range the factor stands at, if any"] = None
 
@@ -227,44 +227,35 @@ class Overload:
 class Tolerated:
     """Cost of the tolerances."""
 
-    # By variable: the share of the goal that is gained without this one tolerance, and by half of it
-    cost: Mapping[str, float]
-    gain: Mapping[str, float]
-    values: Scenario  # Factors of the optimum without tolerances
-    # Its exact goal, and its categories
-    exact: float
-    choice: str
+    cost: Mapping[str, float]  # by variable: share of the goal that is gained without this tolerance
+    gain: Mapping[str, float]  # by variable: share of the goal that is gained by half of this tolerance
+    values: Scenario  # factors of the optimum without tolerances
+    exact: float  # its exact goal
+    choice: str  # its categories
 
 
 @dataclass(frozen=True)
 class Answer:
     """Design that answers one target, with its terms, factors and figures."""
 
-    terms: tuple[Term, ...]  # The objectives first, then the limits in the study's order
-    variables: tuple[Variable, ...]  # Every factor of the factorial
-    ranges: tuple[Range, ...] = ()  # Of every quantity
-    # What is beyond what the materials bear, in words with sources, and without, each; that, and what else is to be
-    # known
-    beyond: str = ""
-    exceeded: tuple[str, ...] = ()
-    flags: str = ""
-    target: str = ""  # Name of the target
-    statistic: str = ""  # How uncertain cases count in the objective, in words
-    # How the design was polished, and how all was computed
-    polish: str = ""
-    source: str = ""
-    # Of the study's device
-    figures: tuple[Figure, ...] = ()
+    terms: tuple[Term, ...]  # the objectives first, then the limits in the study's order
+    variables: tuple[Variable, ...]  # every factor of the factorial
+    ranges: tuple[Range, ...] = ()  # of every quantity
+    beyond: str = ""  # exceeded limits of materials and theory, in words with sources
+    exceeded: tuple[str, ...] = ()  # the same without sources, each
+    flags: str = ""  # the same without sources, and other remarks
+    target: str = ""  # name
+    statistic: str = ""  # of uncertain cases in the objective, in words
+    polish: str = ""  # description of the polish
+    source: str = ""  # description of the computation
+    figures: tuple[Figure, ...] = ()  # of the study's device
     overload: Overload | None = None
-    constants: tuple[Constant, ...] = ()  # Those of which the terms have effects
-    left_out: tuple[LeftOut, ...] = ()  # Effects that the model leaves out, the largest first
-    # What the tolerances cost; None where there is none, or where the design is not feasible
-    tolerated: Tolerated | None = None
-    # What was chosen, and the best of every choice
+    constants: tuple[Constant, ...] = ()  # whose effects the terms have
+    left_out: tuple[LeftOut, ...] = ()  # effects that the model leaves out, the largest first
+    tolerated: Tolerated | None = None  # cost of the tolerances; None without any, or if the design is not feasible
     categories: tuple[Category, ...] = ()
-    choices: tuple[Choice, ...] = ()
-    # What only pictures need: map, slices, fields of the contact, Pareto front
-    pictures: xr.Dataset = field(default_factory=xr.Dataset, compare=False)
+    choices: tuple[Choice, ...] = ()  # best design of every choice
+    pictures: xr.Dataset = field(default_factory=xr.Dataset, compare=False)  # map, slices, fields, Pareto front
 
     @cached_property
     def objectives(self) -> tuple[Term, ...]:
@@ -277,16 +268,16 @@ class Answer:
         return tuple(term for term in self.terms if isinstance(term.statement, Limit))
 
     def term(self, name: str) -> Term:
-        """The term that the study has under this text."""
+        """Return the term with a text of the study."""
         return next(term for term in self.terms if term.name == name)
 
     def variable(self, name: str) -> Variable:
-        """The factor of this name."""
+        """Return the factor of a name."""
         return next(variable for variable in self.variables if variable.name == name)
 
     @property
     def goal(self) -> str:
-        """Goal and limits as the study writes them."""
+        """Goals as the study writes them."""
         return " and ".join(f"{goal.statement.key} {goal.name}" for goal in self.objectives)
 
     @property
@@ -309,7 +300,7 @@ class Answer:
 
     @cached_property
     def broken(self) -> tuple[Term, ...]:
-        """Limits that are not kept."""
+        """Violated limits."""
         return tuple(limit for limit in self.limits if limit.broken)
 
     @cached_property
@@ -318,18 +309,18 @@ class Answer:
         return tuple(limit for limit in self.limits if limit.binds)
 
     @cached_property
-    def idle(self) -> tuple[Variable, ...]:
-        """Variables that do not matter to any objective."""
+    def without_effect(self) -> tuple[Variable, ...]:
+        """Variables without effect on any objective."""
         return tuple(variable for variable in self.variables if not variable.sensitivity.matters)
 
     @cached_property
     def at_ends(self) -> tuple[Variable, ...]:
-        """Variables that stand at an end of their range, and matter."""
-        return tuple(variable for variable in self.variables if variable.edge and variable not in self.idle)
+        """Variables at an end of their range that have an effect."""
+        return tuple(variable for variable in self.variables if variable.edge and variable not in self.without_effect)
 
     @property
     def miss(self) -> str:
-        """The limit that is missed by most, and by how much."""
+        """Sentence on the limit with the largest excess."""
         worst = min(self.limits, key=lambda limit: limit.margin)
         missed = f"{-100 * worst.margin:.3g}" if worst.margin > -_PLAIN else f"{-100 * worst.margin:.0f}"
         return f"{worst.name} binds; the least violated design misses it by {missed} %"
@@ -341,7 +332,8 @@ class Answer:
             return f"infeasible: {self.miss}"
         parts = [f"feasible; binding: {', '.join(limit.name for limit in self.binding) or 'none'}"]
         parts += [f"{variable.name} at the {variable.edge}" for variable in self.at_ends]
-        parts += [f"{', '.join(variable.name for variable in self.idle)} of no effect on the goal"] if self.idle else []
+        names = ", ".join(variable.name for variable in self.without_effect)
+        parts += [f"{names} of no effect on the goal"] if names else []
         return "; ".join(parts)
 
     @property

@@ -1,4 +1,4 @@
-"""The verdict on a design: predicted against exact, margins, what binds, sensitivity to errors and constants."""
+"""The verdict on a design: exact and predicted values, margins, and sensitivity to errors and constants."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,29 +27,26 @@ from workflow.study.reading import InputError
 
 _EDGE = 1e-6  # distance from the end of a scaled range, of length 2, that counts as none
 _SLENDER = 0.3  # contact width over radius up to which a circle is a parabola (1 % in the profile's slope)
-_WIDE, _SMOOTH = 1e-5, 1e-7  # m: a contact that is not a tip's, and the depth below which roughness decides it
+_WIDE, _SMOOTH = 1e-5, 1e-7  # m: width above that of tips, and depth below which roughness decides the contact
 _PILOT = 512
 _ELASTIC_STEP = 1e-3  # relative step of elasticities
 _ERROR = 0.01  # relative error in building a variable
 _SHARES = 1 + np.array([-_ELASTIC_STEP, _ELASTIC_STEP, -_ERROR, _ERROR])
-_NOTHING = 1e-9  # share of the goal that counts as no change
+_NO_CHANGE = 1e-9  # share of the goal that counts as no change
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """Values of the terms on the surrogate, the deciding scenario of each, and their possible errors.
+    """Terms on the surrogate."""
 
-    The standard deviation, and the reach of the 95 % interval.
-    """
-
-    values: Array
-    scenarios: list[int]
-    stds: Array
-    reaches: Array
+    values: Array  # (term,)
+    scenarios: list[int]  # the one that decides, by term
+    stds: Array  # standard deviations, (term,)
+    reaches: Array  # half-widths of the 95 % intervals, (term,)
 
 
 def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
-    """Exact values of some terms at one design in the verdict, and the number of costly cases."""
+    """Return exact values of some terms at one design in the verdict, (term,), and the number of costly cases."""
     values, cases = [], 0
     for term in terms:
         if costly.names(design, term):
@@ -62,13 +59,13 @@ def exactly(design: Question, terms: Sequence[Term]) -> tuple[Array, int]:
 
 
 def doubts(design: Question) -> Array:
-    """Half of the 95 % interval of every limited term at one design, over its scale; (limit,)."""
+    """Return half of the 95 % interval of every limited term at one design, over its scale, (limit,)."""
     scales = np.array([term.scale for term in design.limits])
     return np.asarray(predict(design, design.searched).reaches[design.objectives :] / scales)
 
 
 def predict(design: Question, sets: Mapping[Key, Scenarios]) -> Prediction:
-    """Terms on the surrogate, with what may be off carried through expression and risk measure: errors go together."""
+    """Predict the terms on the surrogate; correlated errors pass through expressions and risk measures."""
     values, scenarios = [], []
     errors: list[tuple[float, float]] = []
     for term in design.terms:
@@ -89,13 +86,13 @@ def _quantities(term: Term) -> list[str]:
 
 
 def _partials(design: Question, chosen: Scenarios, term: Term) -> dict[str, Array]:
-    """Derivatives of a term's expression by the names in it, on the surrogate: (scenarios,) each."""
+    """Return derivatives of a term's expression by the names in it, on the surrogate, (scenario,) each."""
     known = design.known(design.predicted, design.factors(chosen), [term.expression])
     return term.expression.partials({name: values[0] for name, values in known.items()})[1]
 
 
 def judge(design: Question) -> Answer:
-    """Everything that is said about one design; its name, its choices and its pictures are for others to add."""
+    """Return the answer of one design, without its name, choices and pictures."""
     terms = design.terms
     guessed = predict(design, design.judged)
     exact, _ = exactly(design, terms)
@@ -123,7 +120,7 @@ def judge(design: Question) -> Answer:
 def _terms(
     design: Question, guessed: Prediction, exact: Array, worst: Sequence[Scenario], effects: Array
 ) -> tuple[JudgedTerm, ...]:
-    """Return the judged terms of one design; effects: of the constants on the terms, (terms, constants)."""
+    """Return the judged terms of one design; effects: of the constants on the terms, (term, constant)."""
     half = guessed.reaches + tolerances(design)
     inside = np.abs(exact - guessed.values) <= half + 1e-12 * np.abs(exact)
     judged = []
@@ -153,7 +150,7 @@ def _terms(
 
 
 def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variable, ...]:
-    """Every factor in the case that decides the first objective, the variables without their tolerances."""
+    """Return the factors in the case that decides the first objective, the variables without tolerances."""
     nominal = {**worst, **{name: float(values[0]) for name, values in design.variables.items()}}
     nominal |= {name: value for name, value in design.held.items() if name in design.target.variables}
     unknown, known = Sensitivity((np.nan,) * len(exact)), sensitivities(design, exact)
@@ -172,7 +169,7 @@ def _variables(design: Question, exact: Array, worst: Scenario) -> tuple[Variabl
 
 
 def _corners(design: Question) -> dict[str, Array]:
-    """Every quantity of a design, exactly, over many corners of the ranges; what is costly over a few."""
+    """Return exact quantities of a design over many corners of the ranges, costly ones over a few."""
     out: dict[str, Array] = {}
     for sets, slow in ((design.judged, False), (design.searched, True)):
         names = [name for name in design.study.quantities if (name in design.study.costly) == slow]
@@ -181,7 +178,7 @@ def _corners(design: Question) -> dict[str, Array]:
 
 
 def _field_below(design: Question, corner: Mapping[str, Array]) -> float | None:
-    """Largest field below the middle of the contact, over the same corners; None where others tell it."""
+    """Return the largest field below the contact's middle [V/m] over the corners; None where others replace it."""
     kind = design.study.kind
     if "voltage" not in corner or "nominal_field" in corner or kind.contact == "point" or kind.air:
         return None
@@ -189,7 +186,7 @@ def _field_below(design: Question, corner: Mapping[str, Array]) -> float | None:
 
 
 def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[str, float]:
-    """The study's tolerance of some quantities, SI: a share of their range over the box."""
+    """Return the study's tolerance of some quantities, SI: a share of their range over the box."""
     box = sobol_points(_PILOT, len(study.factors))
     levels = {
         axis.name: axis.from_unit(2 * box[:, [column]] - 1).clip(axis.low, axis.high)
@@ -200,7 +197,7 @@ def allowances(study: Study, source: Predicted, names: Sequence[str]) -> dict[st
 
 
 def tolerances(design: Question) -> Array:
-    """Change of each term by the study's tolerance of the quantities; (terms,)."""
+    """Return the change of each term by the study's tolerance of the quantities, (term,)."""
     terms = design.terms
     names = list(dict.fromkeys(name for term in terms for name in _quantities(term)))
     sizes = allowances(design.study, design.predicted, names)
@@ -216,7 +213,7 @@ def tolerances(design: Question) -> Array:
 
 
 def _case(design: Question, term: Term, scenario: int) -> dict[str, float]:
-    """Every factor of the factorial in one scenario of a term's verdict on one design."""
+    """Return every factor of the factorial in one scenario of a term's verdict on one design."""
     factors = design.factors(design.judged[term.measure.key])
     return {name: float(np.broadcast_to(values, shape(factors))[0, scenario]) for name, values in factors.items()}
 
@@ -229,13 +226,13 @@ def _role(question: Question, name: str) -> Role:
 
 
 def _tolerance(question: Question, name: str) -> str:
-    """A tolerance as the study writes it; empty where there is none."""
+    """Return a tolerance as the study writes it; empty without one."""
     tolerance = question.target.tolerance.get(name, "")
     return tolerance if isinstance(tolerance, str) else f"{tolerance:g} {written(FACTORS[name].units)}".strip()
 
 
 def _edges(design: Question) -> dict[str, End]:
-    """Variables that stand at an end of their range, which is the study's box or a part of it that was asked for."""
+    """Return the ends at which variables lie, of the studied range or of the part that was asked for."""
     out = {}
     for (name, axis), u in zip(design.inputs.items(), design.x[0], strict=True):
         if abs(u) > 1 - _EDGE:
@@ -245,14 +242,14 @@ def _edges(design: Question) -> dict[str, End]:
 
 
 def _radius(design: Question, corner: Mapping[str, Array]) -> Array | None:
-    """Radius of a round punch over the scenarios, wherever the question has it; None for other profiles."""
+    """Return the radius of a round punch over the scenarios; None for other profiles."""
     if "radius" not in PROFILES[str(design.study.fixed.get("profile", CHOICES["profile"][0]))].needs:
         return None
     return design.factor("radius", corner[design.study.kind.ends[0]])
 
 
 def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
-    """Remarks on a contact that is too wide for a parabola or too shallow for real surfaces."""
+    """Return remarks on a contact that is too wide for a parabola or too shallow for real surfaces."""
     trailing, leading = design.study.kind.extents(corner)
     width, radius = trailing + leading, _radius(design, corner)
     share = float((width / radius).max()) if radius is not None else 0.0
@@ -263,13 +260,10 @@ def _flags(design: Question, corner: Mapping[str, Array]) -> list[str]:
 
 
 def sensitivities(design: Question, exact: Array) -> dict[str, Sensitivity]:
-    """Elasticity of every term, and what a 1 % error costs, for every continuous variable that is not zero.
-
-    By differences on what stands for the exact solver.
-    """
+    """Return elasticities of terms, and costs of a 1 % error, by differences, for variables other than zero."""
     source = costly.affordable(design)
     varied = _varied(design, source)
-    # of draws the few of the search: what they lack is added to all alike
+    # few draws as in the search: their error at the design is added to all
     sets = {key: design.searched[key] if key is True else chosen for key, chosen in design.judged.items()}
     counts = design.at_variables(varied).count(source, sets)
     counts += exact - counts[0]
@@ -278,16 +272,16 @@ def sensitivities(design: Question, exact: Array) -> dict[str, Sensitivity]:
     return {
         name: _effects(design, values[0], values[1 + 4 * k : 5 + 4 * k], counts[0], around[k], largest)
         for k, (name, values) in enumerate(varied.items())
-        if values[0] != 0  # which has no 1 % of it
+        if values[0] != 0  # zero has no 1 %
     }
 
 
 def _varied(design: Question, source: Source) -> dict[str, Array]:
-    """Variables at the design, then one after another moved by the shares, (1 + 4 d,) each."""
+    """Return the variables at the design, then one after another moved by `_SHARES`, (1 + 4 d,) each."""
     count = 1 + len(_SHARES) * len(design.variables)
     varied = {name: np.full(count, nominal) for name, (nominal,) in design.variables.items()}
     for k, (name, values) in enumerate(varied.items()):
-        # the surrogate, where it stands in, knows no case beyond its box
+        # a surrogate in place of the solver ends at its box
         factor = FACTORS[name]
         low, high = (factor.low, factor.high) if isinstance(source, Exact) else design.room(name)
         values[1 + 4 * k : 5 + 4 * k] = np.clip(values[0] * _SHARES, low, high)
@@ -297,15 +291,15 @@ def _varied(design: Question, source: Source) -> dict[str, Array]:
 def _effects(
     question: Question, nominal: float, moved: Array, nominal_counts: Array, around: Array, largest: Array
 ) -> Sensitivity:
-    """Effects of one variable from the terms at its value, (terms,), and at four moved values, (4, terms)."""
-    # a share of what is next to zero says nothing
-    whole = np.where(np.abs(nominal_counts) > _NOTHING * largest, nominal_counts, np.nan)
+    """Return the effects of one variable from the terms at its value, (term,), and at four moved values, (4, term)."""
+    # no shares of values next to zero
+    whole = np.where(np.abs(nominal_counts) > _NO_CHANGE * largest, nominal_counts, np.nan)
     change = (moved[1] - moved[0]) / nominal
     with np.errstate(divide="ignore", invalid="ignore"):
         elasticity = (around[1] - around[0]) / whole / change if change else np.full(len(nominal_counts), np.nan)
     wanted, erred = question.objectives, around[2:]
     loss = max(float((question.terms[0].sign * (nominal_counts[0] - erred[:, 0])).max()), 0.0)
-    same = np.abs(erred - nominal_counts) <= _NOTHING * np.maximum(np.abs(nominal_counts), largest)
+    same = np.abs(erred - nominal_counts) <= _NO_CHANGE * np.maximum(np.abs(nominal_counts), largest)
     return Sensitivity(
         elasticity=tuple(elasticity.tolist()),
         cost=float(loss / abs(whole[0])),
@@ -316,11 +310,10 @@ def _effects(
 
 
 def spread(design: Question, worst: Sequence[Scenario]) -> tuple[tuple[Constant, ...], Array]:
-    """Constants of a design's materials, and relative changes of the terms by a standard deviation of each.
+    """Return constants of a design's materials, and relative changes of the terms by a standard deviation of each.
 
-    Each constant, a family of them as :mod:`workflow.study.uncertainty` scales it, is moved by itself in the case that
-    decides a term; the design stays as it is. Constants are independent a priori, so that their effects add as squares.
-    What a material bears is not moved.
+    Each is moved alone (`workflow.study.uncertainty`), in the deciding case of a term; design and allowables stay.
+    Constants are independent a priori: their effects add as squares.
     """
     try:
         constants = uncertainty.uncertain(design.study)
@@ -342,7 +335,7 @@ def _tells(study: Study, term: Term) -> bool:
 
 
 def _case_values(design: Question, study: Study, terms: Sequence[Term], cases: Sequence[Mapping[str, float]]) -> Array:
-    """Each term in its own case, with the constants of a study; (terms,)."""
+    """Return each term in its own case, with the constants of a study, (term,)."""
     factors = {name: np.array([[case[name]] for case in cases]) for name in (cases[0] if cases else {})}
     known = design.known(Exact(study), factors, [term.expression for term in terms])
     values = [np.broadcast_to(term.expression.evaluate(known), (len(cases), 1)) for term in terms]

@@ -1,7 +1,6 @@
 """The error budget of a case: effects that the model leaves out, by plain formulas of the solved case, largest first.
 
-Each formula has its source in its docstring; docs/design.md lists them with the sizes that are taken where a study
-names none.
+Each formula has its source in its docstring; docs/design.md lists them with default sizes.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
@@ -34,9 +33,9 @@ from workflow.study.allowable import Allowable
 from workflow.study.model import Study
 from workflow.study.uncertainty import USUAL
 
-#: Times the printed band up to which an effect leaves a recommendation as it is.
+#: Ratio to the printed band up to which an effect does not change a recommendation.
 MOST = 3.0
-#: Sizes that are taken where the case names none.
+#: Default sizes where the case names none.
 ROUGHNESS = 10e-9  # m rms: a lapped ball or a polished film
 TILT = 1e-4  # rad: 0.1 mm per metre, a good fixture
 LENGTH = 10e-3  # m of a line
@@ -44,7 +43,7 @@ ADHESION = 0.05  # J/m2: clean metal or polymer in air, as in docs/limits.md
 BIAS = 1e-12  # A: of a usual FET input
 PAD = 1e-3  # m: diameter or width of a pad that is read
 SUPPORT = 10e-3  # m from the force to the supports of a base
-WARMER, HOLD = 1.0, 1.0  # K and s: what touches is warmer by so much, for so long
+WARMER, HOLD = 1.0, 1.0  # K and s: temperature difference of a touch, and its duration
 _SOFT = 1e9  # Pa, Young's modulus of a punch below which its own depth is no small part
 DENSITY = 7800.0  # kg/m3 of steel: of a rigid punch, and of one without a name
 GRAVITY = 9.81  # m/s2
@@ -84,7 +83,7 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class SolvedCase:
-    """A case, what solves others like it, and what reads it."""
+    """A case with its solver, materials and device."""
 
     kind: Kind
     factors: Mapping[str, Any]
@@ -93,7 +92,7 @@ class SolvedCase:
     device: Mapping[str, float]  # numbers of a study's section ``device``; empty without one
     smallest_force: float = np.nan  # [N]
     materials: Mapping[str, Material] = field(default_factory=dict)  # beside the library's
-    phases: tuple[str, str] = ("BaTiO3", "CoFe2O4")
+    phases: Sequence[str] = ("BaTiO3", "CoFe2O4")
     body: Stack | None = None  # of a study's body
     band: float = np.nan  # the printed relative band; NaN: the least spread of published constants
     hold: float = HOLD  # [s] from the touch to the reading, where the factors name none
@@ -103,30 +102,27 @@ class SolvedCase:
         """Quantities of the case."""
         return self.quantities({})
 
-    def quantities(self, others: Mapping[str, float]) -> Mapping[str, float]:
-        """Quantities of the case with some factors that differ."""
+    def quantities(self, others: Mapping[str, float | str]) -> Mapping[str, float]:
+        """Return quantities of the case with some other factors."""
         out = self.solve({**self.factors, **others})
         return {str(name): float(out[name].squeeze()) for name in out.data_vars if out[name].size == 1}
 
     @cached_property
     def read_out(self) -> tuple[Mapping[str, float], str]:
-        """Quantities at the voltage that the amplifier leaves, and the circuit in words.
-
-        A charge amplifier leaves none. An input shares the charge with the contact, whose capacitance takes its charge
-        from zero volts to the open circuit.
-        """
+        """Quantities at the voltage that the amplifier leaves, and the circuit in words."""
         charge, force = self.kind.loads.charges[0], self.kind.loads.force
         known = {"voltage", "charge_per_force"} <= self.solved.keys() and self.solved["voltage"]
-        named = self.factors.get(charge) or not {"electrode", "collector"}.isdisjoint(self.factors)
-        if named or not known or "input_capacitance" not in self.device:
+        charge_is_fixed = self.factors.get(charge) or not {"electrode", "collector"}.isdisjoint(self.factors)
+        if charge_is_fixed or not known or "input_capacitance" not in self.device:
             return self.solved, "at the punch's charge" if self.factors.get(charge) else "at open circuit"
-        short = self.solved["charge_per_force"] * float(self.factors[force])
+        charge_at_zero_volts = self.solved["charge_per_force"] * float(self.factors[force])
         if "feedback_capacitance" in self.device:
-            at_zero = self.quantities({charge: short})
+            at_zero = self.quantities({charge: charge_at_zero_volts})
             return {name: at_zero[name] for name in at_zero if name != "nominal_field"}, "at zero volts"
-        beside = self.device["input_capacitance"] + self.device.get("cable_capacitance", 0.0)
-        share = beside / (beside + abs(short / self.solved["voltage"]) * self.length)
-        return self.quantities({charge: share * short}), "with the amplifier's input"
+        # input and cable share the charge with the contact's capacitance
+        circuit = self.device["input_capacitance"] + self.device.get("cable_capacitance", 0.0)
+        share = circuit / (circuit + abs(charge_at_zero_volts / self.solved["voltage"]) * self.length)
+        return self.quantities({charge: share * charge_at_zero_volts}), "with the amplifier's input"
 
     @property
     def reading_time(self) -> float:
@@ -178,7 +174,7 @@ class SolvedCase:
 
     @property
     def stack(self) -> Stack | None:
-        """The layers of a film; None of a half-space, of a graded film and of a base by its modulus."""
+        """Layers of a film; None of a half-space, of a graded film and of a base by its modulus."""
         unknown = (self.factors.get(name) for name in ("base_volume_fraction", "base_modulus"))
         if self.body or not self.kind.layered or not all(map(absent, unknown)):
             return self.body
@@ -189,15 +185,14 @@ class SolvedCase:
 
     @property
     def shown_band(self) -> float:
-        """The printed band, or the least that published constants differ by."""
+        """Printed band, or the least difference of published constants."""
         return self.band if self.band > 0 else USUAL
 
 
 def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, band: float) -> SolvedCase:
-    """A case of a study, with its device, for the budget."""
+    """Return a case of a study, with its device, for the budget."""
     device = dict(study.device.constants) if study.device else {}
     device |= {name: float(factors[name]) for name in DEVICE if study.device and name in factors}
-    phases = (study.phases[0], study.phases[1])
     return SolvedCase(
         kind=study.kind,
         factors=factors,
@@ -206,32 +201,29 @@ def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, ba
         device=device,
         smallest_force=smallest_force,
         materials=study.own_materials,
-        phases=phases,
-        body=layered.stack(study.body, dict(factors), study.own_materials, phases) if study.body else None,
+        phases=study.phases,
+        body=layered.stack(study.body, dict(factors), study.own_materials, study.phases) if study.body else None,
         band=band,
         hold=study.signal.hold if study.signal else HOLD,
     )
 
 
 def budget(case: SolvedCase, pressed: SolvedCase | None = None) -> tuple[LeftOut, ...]:
-    """Effects that the model leaves out at a case, the largest against the printed band first.
-
-    pressed : the same case at the largest force, where stresses and strains are judged; None: the case itself.
-    """
+    """Return effects that the model leaves out, the largest against the printed band first; stresses in `pressed`."""
     effects = [effect for part in _BY_SIGNAL for effect in part(case)]
     effects += [effect for part in _BY_STRESS for effect in part(pressed or case)]
     return tuple(sorted(effects, key=_rank))
 
 
 def _rank(effect: LeftOut) -> float:
-    """By the ratio to the band; an exceeded limit follows what takes the word "recommended"; last what has none."""
+    """Sort by the ratio to the band; exceeded limits follow effects above `MOST`, effects without a ratio are last."""
     if np.isfinite(effect.left_out_ratio):
         return -effect.left_out_ratio
     return -MOST if effect.left_out_size > effect.left_out_matters else 1.0
 
 
 def largest(effects: Sequence[LeftOut], moved: Set[str]) -> LeftOut | None:
-    """The largest effect that exceeds the printed band by more than `MOST` in what matters to a question."""
+    """Return the largest effect above `MOST` times the printed band on what matters to a question; None without one."""
     beyond = (effect for effect in effects if effect.left_out_ratio > MOST)
     return next((effect for effect in beyond if not moved.isdisjoint(effect.left_out_moves.split(", "))), None)
 
@@ -252,7 +244,7 @@ def _effect(
 
 
 def _unknown(case: SolvedCase, name: str, moves: str, units: str, brief: str = "") -> LeftOut:
-    """An effect without a figure; without words one that has no formula for the profile of the punch."""
+    """Return an effect without a figure; by default one without a formula for the profile of the punch."""
     brief = brief or f"{name} is not figured for the profile {case.profile}"
     return _effect(case, name, moves, np.nan, np.nan, units, np.nan, brief, "")
 
@@ -274,7 +266,7 @@ def _constants(case: SolvedCase) -> Iterator[LeftOut]:
 
 
 def _strain(case: SolvedCase) -> Iterator[LeftOut]:
-    """The parabola is off by (a/R)^2 of the circle; a film is strained by depth/thickness."""
+    """Yield small strain: the parabola is off by (a/R)^2 of the circle; a film is strained by depth/thickness."""
     if case.radius:
         ratio = case.half / case.radius
         brief = f"the contact is {number(ratio, 2)} of the punch's radius"
@@ -290,7 +282,7 @@ def _strain(case: SolvedCase) -> Iterator[LeftOut]:
 
 
 def _heat(case: SolvedCase) -> Iterator[LeftOut]:
-    """The solver's own charge of heat: `solver.heat`, docs/heat.md."""
+    """Yield the effect of heat, from the solver's charge of heat (docs/heat.md)."""
     if not np.isfinite(case.charge):
         return
     if case.kind.space:
@@ -329,24 +321,23 @@ def _heat(case: SolvedCase) -> Iterator[LeftOut]:
 
 
 def _pad(case: SolvedCase) -> Iterator[LeftOut]:
-    """The solver's own charge of a pad against that of an electrode without end: the rest falls as thickness/size."""
+    """Yield the end of a pad: its solved charge against an endless electrode's; the difference falls as 1/size."""
     endless = case.solved.get("electrode_charge_per_force")
     if endless is None or "patch_size" in case.factors or case.kind.air:
         return
-    pad = {"patch_size": PAD, "patch": "disc" if case.point else "strip"}
-    charge = float(case.solve({**case.factors, **pad})["patch_charge_per_force"].squeeze())
-    share = abs(charge / endless - 1)
+    pad = case.quantities({"patch_size": PAD, "patch": "disc" if case.point else "strip"})
+    share = abs(pad["patch_charge_per_force"] / endless - 1)
     brief = f"the end of a pad of {shown(PAD, 'm', 2)} changes the charge by {number(100 * share, 2)} %"
     detail = f"; from {shown(PAD * share / _FEW, 'm', 2)} on it changes by less than {number(100 * _FEW, 2)} %"
     yield _effect(case, "end of the pad", "signal", PAD * share / _FEW, PAD, "m", share, brief, detail)
 
 
 def _moments_over_charge(case: SolvedCase, stack: Stack, moments: Callable[[Array], Array]) -> float:
-    """Integral of a base's bending moments at distances from the force over the film whose charge is read.
+    """Return the integral of a base's bending moments, by distance, over the film whose charge is read.
 
-    In air a punch reads through its gap as well (docs/heat.md), insulated as much as its capacitance says.
+    In air a punch also reads through its gap (docs/heat.md), by the gap's capacitance.
     """
-    # what collects: a pad, an electrode without end, else the punch's contact
+    # the charge is collected by a pad, an electrode without end, or the punch's contact
     pad = SUPPORT if "electrode_charge_per_force" in case.solved else case.half
     pad = min(float(case.factors["patch_size"]) / 2, SUPPORT) if "patch_size" in case.factors else pad
     edges = pad * np.append(np.linspace(0.0, 1.0, 65), np.geomspace(1.0, SUPPORT / pad, 257)[1:])
@@ -461,13 +452,12 @@ def _tilt(case: SolvedCase) -> Iterator[LeftOut]:
 
 
 def _powers(case: SolvedCase) -> tuple[float, float]:
-    """Powers of the rise within a line's contact by which the load and the largest pressure grow."""
+    """Return the powers of the rise within a line's contact by which the load and the largest pressure grow."""
     load = case.kind.loads.force
-    more = replace(case, factors={**case.factors, load: _STEP * float(case.factors[load])})
-    rise = 2 * np.log(more.half / case.half)
-    return float(np.log(_STEP) / rise), float(
-        np.log(more.solved["peak_pressure"] / case.solved["peak_pressure"]) / rise
-    )
+    larger = replace(case, factors={**case.factors, load: _STEP * float(case.factors[load])})
+    rise = 2 * np.log(larger.half / case.half)
+    pressures = larger.solved["peak_pressure"] / case.solved["peak_pressure"]
+    return float(np.log(_STEP) / rise), float(np.log(pressures) / rise)
 
 
 def _adhesion(case: SolvedCase) -> Iterator[LeftOut]:
@@ -528,14 +518,14 @@ def _mass(case: SolvedCase) -> Iterator[LeftOut]:
 
     A weight of more than a tenth of the force presses too.
     """
-    which = str(case.factors.get("punch") or RIGID_PUNCH)
-    if which == "skin":  # which a hand holds
+    name = str(case.factors.get("punch") or RIGID_PUNCH)
+    if name == "skin":  # a hand carries its weight
         return
     if not case.radius:
         yield _unknown(case, "mass of the punch", "signal, stress", "N")
         return
-    known = punches().get(which)
-    density, body = (known.density, which.replace("_", " ")) if known else (DENSITY, "steel")
+    known = punches().get(name)
+    density, body = (known.density, name.replace("_", " ")) if known else (DENSITY, "steel")
     if case.profile == "roller":
         volume = np.pi * case.radius**2 * float(case.factors["length"])
     else:
@@ -563,7 +553,7 @@ def _friction(case: SolvedCase) -> Iterator[LeftOut]:
     if not slides or "trailing_tension" not in case.solved:
         return
     tension = case.solved["trailing_tension"]
-    tension_at_rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
+    tension_at_rest = case.quantities({"friction": 0.0})["trailing_tension"]
     brief = f"friction slides everywhere, with a tension of {shown(tension, 'Pa', 3)}"
     detail = f"; a press without motion has less, without friction {shown(tension_at_rest, 'Pa', 3)}"
     yield _effect(case, "friction", "", tension, np.nan, "Pa", np.nan, brief, detail)

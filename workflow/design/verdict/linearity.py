@@ -1,4 +1,4 @@
-"""Limits of linear theory at a design: known limits of its materials, and small strain."""
+"""Limits of linear theory at a design: limits of its materials, and small strain."""
 
 from collections.abc import Mapping
 
@@ -13,14 +13,14 @@ from workflow.language.numbers import shown
 from workflow.language.statements import Limit
 from workflow.study.model import Study
 
-_CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials of which no field is known
+_CERAMIC_FIELD = 3e5  # V/m: beyond it ferroelectric ceramics are not linear; for materials without a known field
 _FIELDS = ("coercive_field", "breakdown_field")
 _MOST_DIGITS = 9
 _SMALL = "strains are small only up to there"
 
 
 def bound(study: Study, limit: Limit) -> tuple[str, str]:
-    """Whose a limit's bound is, in words, and its source; empty where the study gives a number."""
+    """Return the allowable and its material in words, and the source; empty where the study gives a number."""
     if not limit.allowable:
         return "", ""
     evidence = study.allowable(limit.allowable)
@@ -28,7 +28,7 @@ def bound(study: Study, limit: Limit) -> tuple[str, str]:
 
 
 def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None) -> list[tuple[str, str]]:
-    """Exceeded limits of a design's materials: each in words with both numbers, and the source of the limit."""
+    """Return exceeded limits of a design's materials: each in words with both numbers, and its source."""
     lines, knows_field = [], False
     for name, described in ALLOWABLES.items():
         try:
@@ -53,40 +53,40 @@ def beyond(study: Study, corner: Mapping[str, Array], below: float | None = None
 def beyond_small_strain(
     study: Study, corner: Mapping[str, Array], radius: Array | None, thickness: Array | None
 ) -> list[tuple[str, str]]:
-    """Contacts too wide or too deep for small strain, in words with both numbers, and the reason."""
+    """Return contacts too wide or too deep for small strain, in words with both numbers, and the reason."""
     trailing, leading = study.kind.extents(corner)
     deep = corner["depth"] if "depth" in corner and study.kind.datum == "absolute" else None
     lines = []
-    for size, whole, most, said, of_what in (
+    for size, reference, most, name, reference_name in (
         ((trailing + leading) / 2, radius, WIDE, "a contact half-width", "the punch radius"),
         (deep, thickness, DEEP, "a depth", "the film's thickness"),
     ):
-        share = float((size / whole).max()) if size is not None and whole is not None else 0.0
+        share = float((size / reference).max()) if size is not None and reference is not None else 0.0
         if size is not None and share > most:
-            words = f"{said} of {shown(float(size.max()), 'm', 3)} is {_above(share, most)} of {of_what}"
+            words = f"{name} of {shown(float(size.max()), 'm', 3)} is {_above(share, most)} of {reference_name}"
             lines.append((f"{words} and exceeds {most:g} of it", _SMALL))
     return lines
 
 
 def _above(size: float, most: float, units: str = "1", digits: int = 2) -> str:
-    """A size that exceeds a limit, to as many digits as tell the two apart."""
+    """Return a size that exceeds a limit, with enough digits to differ from it."""
     while digits < _MOST_DIGITS and shown(size, units, digits) == shown(most, units, digits):
         digits += 1
     return shown(size, units, digits)
 
 
 def _bounded(name: str) -> list[str]:
-    """Quantities that an allowable bounds."""
+    """Return the quantities that an allowable bounds."""
     if not of_the_base(name):
         return list(LIMITED[name])
-    other = {"tensile_strength": "base_peak_principal_tension", "yield_strength": "base_peak_von_mises"}
-    return [other[plain(name)]] if plain(name) in other else []
+    of_base = {"tensile_strength": "base_peak_principal_tension", "yield_strength": "base_peak_von_mises"}
+    return [of_base[plain(name)]] if plain(name) in of_base else []
 
 
 def _largest(
     quantity: str, corner: Mapping[str, Array], ends: tuple[str, str], below: float | None
 ) -> tuple[str, float]:
-    """A quantity in words, and its largest value; 0 where there is none, as of an insulating punch's voltage."""
+    """Return a quantity in words, and its largest value; 0 without one, as for an insulating punch's voltage."""
     if quantity in corner:
         return titles.title(quantity), float(corner[quantity].max())
     if quantity == "nominal_field" and below is not None:

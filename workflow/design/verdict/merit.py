@@ -20,10 +20,10 @@ MOST_LOAD = 10.0
 
 
 def over(design: Question, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
-    """Least and largest value of every figure that the study's device has."""
+    """Return least and largest value of every figure that the study's device has."""
     if design.study.device is None:
         return ()
-    meeting = design.target.objectives[0].meeting  # that of all choices, of which this may be one
+    meeting = design.target.objectives[0].meeting  # which all choices share
     figures = {name: _figure(design, corner, grammar.parse(name, meeting)) for name in FIGURES_BY[meeting]}
     return tuple(
         Figure(name, float(values.min()), float(values.max())) for name, values in figures.items() if values is not None
@@ -31,7 +31,7 @@ def over(design: Question, corner: Mapping[str, Array]) -> tuple[Figure, ...]:
 
 
 def _figure(design: Question, corner: Mapping[str, Array], expression: Expression) -> Array | None:
-    """A figure's values over the scenarios; None where something of it is not known."""
+    """Return a figure's values over the scenarios; None where a number in it is unknown."""
     known: dict[str, Array] = {}
     for name in expression.names():
         if name in corner:
@@ -52,7 +52,7 @@ def _figure(design: Question, corner: Mapping[str, Array], expression: Expressio
 
 
 def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
-    """Factor by which the load may rise until a limit is reached, all else as in the deciding case."""
+    """Return the factor by which the load may rise until a limit is reached, all else as in the deciding case."""
     limits = [
         (term, case)
         for term, case in zip(design.terms, worst, strict=True)
@@ -61,7 +61,7 @@ def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
     pressing = design.study.kind.loads.force
     if pressing not in design.study.factors or not limits:
         return None
-    least, which = MOST_LOAD, ""
+    least, reached = MOST_LOAD, ""
     for term, case in limits:
         low, high = 1.0, least
         for _ in range(_REFINED):
@@ -70,14 +70,14 @@ def first_limit(design: Question, worst: Sequence[Scenario]) -> Overload | None:
             factors[pressing] = case[pressing] * shares[:, None]
             try:
                 known = design.known(design.exact, factors, [term.expression])
-            except FactorError:  # a load that no case of this kind bears
+            except FactorError:  # too large a load for the solver
                 break
             values = np.broadcast_to(term.expression.evaluate(known), (_LOADS, 1))[:, 0]
             beyond = np.flatnonzero(values[1:] > term.bound)
             if not beyond.size:
                 break
             low, high = shares[beyond[0]], shares[beyond[0] + 1]
-            least, which = float(high), term.label
-    if not which and len(limits) < len(design.limits):
-        return None  # a limit that no one case tells may stop it
-    return Overload(least, which)
+            least, reached = float(high), term.label
+    if not reached and len(limits) < len(design.limits):
+        return None  # a limit that several cases decide may be reached before
+    return Overload(least, reached)

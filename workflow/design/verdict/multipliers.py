@@ -14,11 +14,10 @@ _UNEXPLAINED = 0.1  # share of a gradient that limits and ends may leave, and ye
 
 
 def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> dict[str, float]:
-    """Relative gain of the objective for a relative move outwards of every end at which a variable stands.
+    """Return the relative gain of the objective for a relative move outwards of every end at which a variable lies.
 
-    At an optimum the objective's gradient is a sum of those of the limits that bind and of the ends of the ranges, none
-    with a negative weight (Karush, Kuhn and Tucker): the weights, by non-negative least squares on the elasticities.
-    Nothing where they do not explain the gradient, as at a kink.
+    By Karush, Kuhn and Tucker the objective's gradient is a sum of those of binding limits and ends with weights >= 0:
+    non-negative least squares on the elasticities; empty where they do not explain the gradient, as at a kink.
     """
     known = [variable for variable in answer.variables if np.isfinite(variable.sensitivity.elasticity[0])]
     ends = [variable for variable in ends if variable in known]
@@ -34,7 +33,7 @@ def multipliers(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable
 
 
 def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> dict[str, float]:
-    """Relative gain by wider ranges, for the ends at which it is known."""
+    """Return the relative gain by wider ranges, for the ends at which it is known."""
     if len(answer.objectives) > 1:  # a compromise of several goals has no one gradient
         return {}
     changes = {end.name: abs(moved(end)) for end in ends}
@@ -42,13 +41,13 @@ def gains(answer: Answer, binding: Sequence[Term], ends: Sequence[Variable]) -> 
 
 
 def lessened(answer: Answer, broken: Term, end: Variable) -> float:
-    """Relative change for the better of a limit's value, were the end moved."""
+    """Return the relative improvement of a limit's value if the end were moved."""
     place = answer.terms.index(broken)
     return float(-broken.statement.sign * np.sign(broken.exact) * end.sensitivity.elasticity[place]) * moved(end)
 
 
 def moved(end: Variable) -> float:
-    """Relative change of a variable that moves its end outwards, no farther than it has a meaning."""
+    """Return the relative change of a variable that moves its end outwards, within the factor's bounds."""
     value = end.value
     if value == 0:
         return 0.0
@@ -62,7 +61,7 @@ def _outward(end: Variable) -> float:
 
 
 def _slopes(answer: Answer, term: Term, known: Sequence[Variable]) -> Array:
-    """Relative change of a term's size, with the sign of its statement, for one of every variable."""
+    """Return the relative change of a term's size by each variable's, with the sign of its statement, (variable,)."""
     place = answer.terms.index(term)
     slopes = np.array([variable.sensitivity.elasticity[place] for variable in known])
     return np.asarray(term.statement.sign * np.sign(term.exact) * slopes)

@@ -30,7 +30,7 @@ from workflow.design.verdict.leftout import LeftOut
 from workflow.language import statements
 from workflow.language.constants import FIGURES_BY, Meeting
 
-_LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # what only pictures need
+_LOCAL = ("map_x", "map_y", "slice", "step", "front", "choice", "position", "x", "y")  # dimensions of pictures
 
 SOURCE = "meecontact: search on a Gaussian process, polished and judged on the closed-form solution"
 SOURCE_OF_FILMS = "meecontact: search on a Gaussian process, judged on the exact solver of films"
@@ -83,21 +83,21 @@ _TERM = ("predicted", "predicted_std", "half", "exact", "inside", "limit", "marg
 _VARIABLE = ("value", "tolerance", "role")
 _SENSITIVITY = ("cost", "loss", "matters", "margin_left")
 _TOLERATED = {"tolerance_cost": "cost", "tolerance_gain": "gain", "nominal_value": "values"}
-#: What of an answer has rows over a dimension of their own: the first field of each names it.
+#: Fields of an answer with rows over a dimension of their own, which the first field of each row names.
 _ROWS: dict[str, type[Any]] = {
     "ranges": Range, "figures": Figure, "constants": Constant, "categories": Category, "choices": Choice,
     "left_out": LeftOut,
 }  # fmt: skip
 
 
-#: The meeting of punch and body that a file does not name.
+#: The meeting of files that name none.
 _USUAL: Meeting = "line"
 _SCALARS = ("overload", "overload_term")
-_PICTURED = ("map_", "slice_", "front_", "field_", "inside_")  # first letters of what only pictures need
+_PICTURED = ("map_", "slice_", "front_", "field_", "inside_")  # begin the names of variables of pictures
 
 
 def dataset(answer: Answer) -> xr.Dataset:
-    """The answer as a data set."""
+    """Return the answer as a data set."""
     terms, variables = answer.terms, answer.variables
     names = [variable.name for variable in variables]
     data: dict[str, Any] = {key: ("term", [getattr(term, key) for term in terms]) for key in _TERM}
@@ -136,7 +136,7 @@ def dataset(answer: Answer) -> xr.Dataset:
 
 
 def answer_of(data: xr.Dataset) -> Answer:
-    """The answer that a data set of `dataset` holds."""
+    """Return the answer in a data set of `dataset`."""
     names, numbers = _list(data, "factor"), [_list(data, key) for key in _TERM]
     cases = [dict(zip(names, case, strict=True)) for case in _list(data, "worst", "term", "factor")]
     effects = [tuple(effect) for effect in _list(data, "effect", "term", "constant")] or [()] * len(cases)
@@ -155,7 +155,7 @@ def answer_of(data: xr.Dataset) -> Answer:
         for key, row in _ROWS.items()
     }
     contents |= {key: str(data[key].item()) for key in ("beyond", "flags", "target")}
-    # a file says it within both others
+    # files have no variable for it, but it is part of both others
     contents["exceeded"] = tuple(part for part in contents["flags"].split("; ") if f"{part} (" in contents["beyond"])
     contents |= {key: str(data.attrs[key]) for key in ("statistic", "polish", "source")}
     return Answer(
@@ -169,7 +169,7 @@ def answer_of(data: xr.Dataset) -> Answer:
 
 
 def _stated(data: xr.Dataset) -> Iterator[statements.Objective | statements.Limit]:
-    """The statements of the terms, read by the grammar of a study."""
+    """Yield the statements of the terms, read by the grammar of a study."""
     signs = iter(np.atleast_1d(data.attrs["signs"]))
     meeting = next(known for known in FIGURES_BY if known == data.attrs.get("meeting", _USUAL))
     for text, limit in zip(_list(data, "term"), _list(data, "limit"), strict=True):
@@ -191,17 +191,17 @@ def _tolerated(data: xr.Dataset) -> Tolerated | None:
 
 
 def _rows(data: xr.Dataset, keys: Sequence[str]) -> list[tuple[Any, ...]]:
-    """Values of some variables over one dimension, a row each; none where the variables are not there."""
+    """Return values of some variables over one dimension as rows; none where the variables are missing."""
     return list(zip(*(_list(data, key) for key in keys), strict=True))
 
 
 def _list(data: xr.Dataset, key: str, *dims: str) -> list[Any]:
-    """The values of a variable as Python's own, over several dimensions in their order; none where it is not there."""
+    """Return the values of a variable as lists, over dimensions in their order; none where it is missing."""
     return data[key].transpose(*dims).values.tolist() if key in data.variables else []
 
 
 def read(path: Path) -> Answer:
-    """The answer in a file ``design/<target>.nc``."""
+    """Read the answer in a file ``design/<target>.nc``."""
     return answer_of(read_whole(path))
 
 
@@ -214,17 +214,17 @@ def tell_unreached(studies: Iterable[str], results: str | Path) -> None:
 
 
 def together(answers: list[xr.Dataset]) -> xr.Dataset:
-    """All designs over ``target``; what a target has not is missing there."""
-    parts_kept = [
+    """Return all designs over ``target``, with missing values for terms and factors of other targets."""
+    parts = [
         answer.drop_dims(_LOCAL, errors="ignore").assign(goal=str(answer.attrs["goal"])).drop_attrs()
         for answer in answers
     ]
-    whole = xr.concat(parts_kept, dim="target", join="outer", data_vars="all", fill_value=_missing(parts_kept))
+    whole = xr.concat(parts, dim="target", join="outer", data_vars="all", fill_value=_missing(parts))
     return described(whole, "designs", str(answers[0].attrs["source"]), _MEANINGS)
 
 
 def entire(answer: Answer) -> xr.Dataset:
-    """An answer as a data set in which every variable says what it is."""
+    """Return an answer as a data set in which every variable has its meaning."""
     data = dataset(answer)
     pictured = {
         str(name): f"{str(name).partition('_')[2].replace('_', ' ')} under the recommended design"
@@ -235,6 +235,6 @@ def entire(answer: Answer) -> xr.Dataset:
 
 
 def _missing(answers: list[xr.Dataset]) -> dict[str, object]:
-    """Value in the place of a term or factor that a target does not have."""
+    """Return the fill value of every variable for terms or factors that a target lacks."""
     types = {str(name): array.dtype.kind for answer in answers for name, array in answer.data_vars.items()}
     return {name: "" if code in "UOT" else False if code == "b" else np.nan for name, code in types.items()}

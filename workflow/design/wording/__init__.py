@@ -1,1 +1,1 @@
-"""The answer in words and tables."""
+"""The answer to a design question in words and tables."""

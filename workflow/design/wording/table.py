@@ -1,4 +1,4 @@
-"""The answer as tables: lines for the terminal, JSON, CSV."""
+"""The answer to a design question as lines for the terminal, JSON and CSV."""
 
 import csv
 import io
@@ -27,7 +27,7 @@ _JSON = ("exact", *_NUMBERS[:2], *_NUMBERS[3:])
 
 
 def as_text(answer: Answer, *, si: bool = False) -> str:
-    """All that an engineer asks of one design, in lines."""
+    """Return one design as lines for the terminal."""
     lines = [answer.goal, *_paragraph(str(verdict(answer)))]
     lines += [f"  {category.category:44s} {category.kind:25s} {category.kind_role}" for category in answer.categories]
     for variable in answer.variables:
@@ -53,7 +53,7 @@ def as_text(answer: Answer, *, si: bool = False) -> str:
 
 
 def _paragraph(text: str) -> list[str]:
-    """Sentences as lines of a terminal."""
+    """Return sentences as lines of a terminal."""
     return wrap(text, _WIDE, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
 
@@ -62,7 +62,7 @@ def _value(value: float, units: str, si: bool) -> str:
 
 
 def as_json(answer: Answer) -> str:
-    """The answer as JSON; what is not a number is null."""
+    """Return the answer as JSON, with null for numbers that are not finite."""
     out: dict[str, Any] = {
         "goal": answer.goal,
         "polish": answer.polish,
@@ -92,11 +92,11 @@ def as_json(answer: Answer) -> str:
             | {"inside": term.inside, "units": term.units}
             for term in answer.terms
         },
+        "left_out": [
+            {key: value if isinstance(value, str) else _finite(value) for key, value in vars(effect).items()}
+            for effect in answer.left_out
+        ],
     }
-    out["left_out"] = [
-        {key: value if isinstance(value, str) else _finite(value) for key, value in vars(effect).items()}
-        for effect in answer.left_out
-    ]
     if "front" in answer.pictures.dims:
         out["front"] = _front(answer)
     return json.dumps(out, indent=2, allow_nan=False)
@@ -107,7 +107,7 @@ def _finite(value: float) -> float | None:
 
 
 def _front(answer: Answer) -> list[dict[str, Any]]:
-    """Exact objectives of every design of the Pareto front, and its choice where there are several."""
+    """Return the exact objectives of every design of the Pareto front, and its choice where there are several."""
     front = answer.pictures
     names = front["objective"].values.tolist()
     rows: list[dict[str, Any]] = [
@@ -120,7 +120,7 @@ def _front(answer: Answer) -> list[dict[str, Any]]:
 
 
 def as_csv(answers: Iterable[Answer]) -> str:
-    """The designs as CSV: one row a category, then one a factor, one a term, and the status."""
+    """Return designs as CSV: one row a category, then one a factor, one a term, and the status."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
     rows.writerow(_COLUMNS)
@@ -130,7 +130,7 @@ def as_csv(answers: Iterable[Answer]) -> str:
 
 
 def _rows(answer: Answer) -> list[tuple[Any, ...]]:
-    """Rows of one design, without its target."""
+    """Return the rows of one design, without its target."""
     rows: list[tuple[Any, ...]] = [
         (category.kind_role, category.category, "", "", "", category.kind, "", "", "") for category in answer.categories
     ]
@@ -145,7 +145,7 @@ def _rows(answer: Answer) -> list[tuple[Any, ...]]:
 
 
 def outcome(answers: Sequence[Path]) -> list[str]:
-    """Lines of a table with the design and verdict of each answer's file; none without answers."""
+    """Return the lines of a table with design and verdict of each answer's file; none without answers."""
     if not answers:
         return []
     rows, reasons = [_HEAD], [""]

@@ -1,4 +1,4 @@
-"""The verdict on a design in words, and sentences beside it: tolerances, spread by constants, figures of the device."""
+"""The verdict on a design in words; sentences on tolerances, spread by constants and figures of the device."""
 
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
@@ -25,7 +25,7 @@ RECOMMENDED, AT_EDGE, UNREACHABLE = "recommended", "at the edge of the studied r
 #: First words of the verdict on a design beyond a limit of its materials or beyond small strain.
 BEYOND = "beyond linear theory"
 
-_DRIVEN = ("stroke", "blocked", "drive", "electrode_stroke", "contact", "depth")  # what no amplifier reads
+_DRIVEN = ("stroke", "blocked", "drive", "electrode_stroke", "contact", "depth")  # begin names that no amplifier reads
 _UNREAD = 0.5  # share of its range that remains of a factor which a read-out cannot identify
 _NOTHING = 1e-3  # least gain by a wider range that is reported
 _SAME = 1.005  # factor of the load that counts as no overload
@@ -40,7 +40,7 @@ class Verdict:
     kind: str  # RECOMMENDED, AT_EDGE or UNREACHABLE; BEYOND before it; with an effect left out, WITHIN, and that behind
     stops: str  # limits and range ends that bind
     advice: str = ""  # change that would give a better or a feasible design
-    idle: str = ""  # variables and range ends without effect on the goal
+    without_effect: str = ""  # variables and range ends without effect on the goal
     tolerance: str = ""  # cost of the tolerances, and the optimum without them
     device: str = ""  # figures of the device, and the overload
     beyond: str = ""  # exceeded limits of the theory, with sources
@@ -49,10 +49,10 @@ class Verdict:
     @property
     def why(self) -> str:
         """Binding limits, and advice."""
-        return " ".join([capital(self.stops), *filter(None, (self.advice, self.idle))])
+        return " ".join([capital(self.stops), *filter(None, (self.advice, self.without_effect))])
 
     def __str__(self) -> str:
-        sentences = (self.advice, self.idle, self.tolerance, self.device, self.beyond, self.sources)
+        sentences = (self.advice, self.without_effect, self.tolerance, self.device, self.beyond, self.sources)
         return " ".join([f"{capital(self.kind)}: {self.stops}", *filter(None, sentences)])
 
 
@@ -81,7 +81,7 @@ def within(effects: Sequence[LeftOut], moved: Set[str], kind: str = RECOMMENDED)
 
 
 def _moved(answer: Answer) -> set[str]:
-    """What effects must move to count for a question: the stress, or the signal of a contact that is read."""
+    """Return what an effect must change to count for a question: the stress, or the signal of a contact."""
     names = {name for term in answer.terms for name in term.statement.expression.names()}
     stresses = {name for name in names & ALL_QUANTITIES.keys() if ALL_QUANTITIES[name].units == "Pa"}
     read = {name for name in names if name in FIGURES or name in ALL_QUANTITIES} - stresses
@@ -90,17 +90,19 @@ def _moved(answer: Answer) -> set[str]:
 
 
 def _sources(answer: Answer) -> str:
-    """Sources of the material limits that the study's limits name."""
+    """Return the sources of the material limits that the study's limits name."""
     sources = {term.bound: term.source for term in answer.terms}
     return " ".join(f"{capital(bound)}: {source}{unverified(source)}." for bound, source in sources.items() if bound)
 
 
-def _idle(answer: Answer) -> str:
-    """Variables without effect on the goal, and the rule that chooses their values."""
-    if not answer.idle:
+def _without_effect(answer: Answer) -> str:
+    """Return a sentence on variables without effect on the goal, and the rule for their values; empty without any."""
+    if not answer.without_effect:
         return ""
-    words = listed([variable.title for variable in answer.idle])
-    smallest, leave = ("smallest values are", "leave") if len(answer.idle) > 1 else ("smallest value is", "leaves")
+    words = listed([variable.title for variable in answer.without_effect])
+    smallest, leave = (
+        ("smallest values are", "leave") if len(answer.without_effect) > 1 else ("smallest value is", "leaves")
+    )
     return (
         f"The goal does not depend on {words}; the {smallest} chosen that {leave} every limit "
         f"{number(100 * ROOM, 2)} % of room, or as much as possible."
@@ -108,7 +110,7 @@ def _idle(answer: Answer) -> str:
 
 
 def _unreachable(answer: Answer) -> Verdict:
-    """Missed limits of the design closest to them, and the way to a feasible design."""
+    """Return the verdict on an infeasible design: its violated limits, and the way to a feasible design."""
     parts = [
         f"{limit.title} is {limit.shown(limit.exact)} and must be "
         f"{'at most' if limit.statement.sign > 0 else 'at least'} {limit.at}: "
@@ -119,7 +121,7 @@ def _unreachable(answer: Answer) -> Verdict:
 
 
 def _way_out(answer: Answer) -> str:
-    """Limits that this design satisfies, and ends of ranges that would bring it closer."""
+    """Return sentences on limits that this design would satisfy, and on ends of ranges that bring it closer."""
     loosened = [f"{limit.title} to {_rounded_away(limit)}" for limit in answer.broken]
     ways = [f"Relaxing the limit on {listed(loosened)} makes the target reachable."]
     if len(answer.broken) == 1:
@@ -131,42 +133,42 @@ def _way_out(answer: Answer) -> str:
 
 
 def _rounded_away(limit: Term) -> str:
-    """A bound that the design satisfies, rounded to three digits on the safe side."""
+    """Return a bound that the design satisfies, rounded to three digits on the safe side."""
     digits = ROUND_CEILING if limit.statement.sign > 0 else ROUND_FLOOR
     rounded = Context(prec=3, rounding=digits).create_decimal_from_float(limit.exact)
     return limit.shown(float(rounded))
 
 
 def _reached(answer: Answer) -> Verdict:
-    """Verdict on a feasible design: limits and range ends that bind."""
+    """Return the verdict on a feasible design: limits and range ends that bind."""
     gains = multipliers.gains(answer, answer.binding, answer.at_ends)
     slight = [end for end in answer.at_ends if gains.get(end.name, 1.0) <= _NOTHING]
     ends = [end for end in answer.at_ends if end not in slight]
-    idle = _idle(answer)
+    remark = _without_effect(answer)
     if slight:
         words = listed([f"{end.title} ({end.words}, {_end(end)})" for end in slight])
-        idle = f"A wider range of {words} would change the goal by less than {_percent(_NOTHING)}. {idle}".strip()
+        remark = f"A wider range of {words} would change the goal by less than {_percent(_NOTHING)}. {remark}".strip()
     bounds = [*(f"{end.title} at {_end(end)} ({end.words})" for end in ends), *(term.words for term in answer.binding)]
     if ends:
-        return Verdict(AT_EDGE, f"limited by {listed(bounds)}.", _enlarged(ends, gains), idle)
+        return Verdict(AT_EDGE, f"limited by {listed(bounds)}.", _enlarged(ends, gains), remark)
     stops = f"limited by {listed(bounds)}." if bounds else "the best within the ranges; no limit is reached."
-    return Verdict(RECOMMENDED, stops, "", idle)
+    return Verdict(RECOMMENDED, stops, "", remark)
 
 
 def _end(variable: Variable) -> str:
-    """End of its range at which a variable is; a tolerance keeps it from the end itself."""
+    """Return the end of its range at which a variable lies; a tolerance keeps it from the end itself."""
     assert variable.edge is not None
     return f"{variable.edge.words}{', less the tolerance' if variable.tolerance else ''}"
 
 
 def _enlarged(ends: Sequence[Variable], gains: dict[str, float]) -> str:
-    """Gain of the goal by wider ranges."""
+    """Return a sentence on the gain of the goal by wider ranges."""
     parts = [f"{_farther(end)} would gain {_percent(gains[end.name])}" for end in ends if end.name in gains]
     return f"To first order, {listed(parts)}." if parts else "A wider range may allow a better design."
 
 
 def _farther(end: Variable) -> str:
-    """A value beyond the end of a range, in words."""
+    """Return a value beyond the end of a range, in words."""
     return f"{end.title} {titles.value(end.name, end.value * (1 + multipliers.moved(end)))}"
 
 
@@ -182,7 +184,7 @@ def unread(name: str, left: float) -> str:
 
 
 def tolerated(answer: Answer) -> str:
-    """Every limit holds within the tolerances; their cost, and the optimum without them."""
+    """Return sentences on limits within the tolerances, their cost and the optimum without them; empty without any."""
     variables, cost = [variable for variable in answer.variables if variable.tolerance], answer.tolerated
     if not variables or cost is None:
         return ""
@@ -198,7 +200,7 @@ def tolerated(answer: Answer) -> str:
 
 
 def tolerances(answer: Answer) -> list[str]:
-    """Cost of each tolerance of a design as a share of the goal, in words."""
+    """Return the cost of each tolerance of a design as a share of the goal, in words."""
     parts = []
     for variable in answer.variables if answer.tolerated else ():
         assert answer.tolerated is not None
@@ -212,7 +214,7 @@ def tolerances(answer: Answer) -> list[str]:
 
 
 def spread(answer: Answer) -> str:
-    """Spread of goal and limits by the uncertain material constants, in words; empty where unknown."""
+    """Return the spread of goal and limits by the uncertain material constants, in words; empty where unknown."""
     goal = answer.terms[0]
     if not goal.spread > _SMALL:
         return ""
@@ -230,12 +232,12 @@ def spread(answer: Answer) -> str:
 
 
 def band(spread: float) -> str:
-    """Relative spread of a value by uncertain constants, as text after it; empty where none or unknown."""
+    """Return the relative spread of a value by uncertain constants as text after it; empty where none or unknown."""
     return f" ± {_percent(spread)}" if spread > _SMALL else ""
 
 
 def in_brackets(answer: Answer) -> str:
-    """Tolerances of a design in brackets; empty without any."""
+    """Return the tolerances of a design in brackets; empty without any."""
     bands = listed(_bands(answer))
     return f" ({bands})" if bands else ""
 
@@ -246,12 +248,12 @@ def _bands(answer: Answer) -> list[str]:
 
 
 def exceeded(answer: Answer) -> str:
-    """Exceeded limits of materials and theory, without sources; empty without any."""
+    """Return exceeded limits of materials and theory, without sources; empty without any."""
     return f"{capital('; '.join(answer.exceeded))}." if answer.exceeded else ""
 
 
 def first_to_break(answer: Answer) -> str:
-    """Limit with the least room within the tolerances, or with one variable 1 % off; empty without limits."""
+    """Return the limit with the least room within the tolerances, or with a variable 1 % off; empty without limits."""
     if not answer.limits or answer.broken:
         return ""
     if any(variable.tolerance for variable in answer.variables):
@@ -271,7 +273,7 @@ def first_to_break(answer: Answer) -> str:
 
 
 def _first(limit: Term, margin: float) -> str:
-    """The limit with its margin as a share of the bound, in words."""
+    """Return the limit with its margin as a share of the bound, in words."""
     if margin > _SMALL:
         return f"{limit.title} has the least room to its limit: {number(100 * margin, 2)} %"
     if margin < -ROUNDING:
@@ -280,7 +282,7 @@ def _first(limit: Term, margin: float) -> str:
 
 
 def device(answer: Answer) -> str:
-    """Figures of a device, and the overload; empty where unknown."""
+    """Return sentences on figures of a device and the overload; empty where unknown."""
     return " ".join(filter(None, (_figures(answer), _overload(answer))))
 
 
@@ -294,7 +296,7 @@ def _figures(answer: Answer) -> str:
 
 
 def _overload(answer: Answer) -> str:
-    """Factor by which the load may rise until a limit is reached, in words."""
+    """Return a sentence on the factor by which the load may rise until a limit is reached; empty where unknown."""
     if answer.overload is None:
         return ""
     factor, label = answer.overload.overload, answer.overload.overload_term

@@ -61,9 +61,9 @@ def spread(data: xr.Dataset) -> Figure:
         values = data[varied].values
         scale, unit = factor_scale(varied, values) if values.dtype.kind in "iuf" else (1.0, "")
         x: Array = values / scale if values.dtype.kind in "iuf" else np.arange(float(values.size))
-        each = data[name].transpose(varied, "realisation")
-        divisor, units = prefixed(float(np.abs(each).max()), str(each.attrs["units"]), digits=2)
-        y = each.values / divisor
+        surfaces = data[name].transpose(varied, "realisation")
+        divisor, units = prefixed(float(np.abs(surfaces).max()), str(surfaces.attrs["units"]), digits=2)
+        y = surfaces.values / divisor
         ax.fill_between(x, y.min(1), y.max(1), color=BLUE, alpha=0.2, lw=0)
         ax.plot(x, y.mean(1), color=BLUE, lw=1.4)
         ax.plot(x, y, ls="", marker=".", ms=3, color=BLUE, alpha=0.6)

@@ -1,4 +1,4 @@
-"""Fields as filled contours: a row of a field, on one scale, a column for each value of a factor."""
+"""Filled contours of fields: a row for each field, on one scale, a column for each value of a factor."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -19,7 +19,7 @@ _ROUND = MaxNLocator(18, steps=[1, 2, 2.5, 5, 10])  # levels
 
 
 def said(value: xr.DataArray, digits: int = 3) -> str:
-    """One value of an axis, which says its own unit: an axis may be a product of factors."""
+    """Return one value of an axis in words, with the axis' unit: it may be a product of factors."""
     plain = value.item()
     if isinstance(plain, str):
         return plain
@@ -27,7 +27,7 @@ def said(value: xr.DataArray, digits: int = 3) -> str:
 
 
 def grid(data: xr.Dataset, height: float, across: str, down: str) -> tuple[Figure, Any, str]:
-    """A figure with axes (field, value of the factor), each field of a height in inches; and the factor's name."""
+    """Return a figure, its axes (field, value of the factor) of a height in inches, and the factor's name."""
     (varied,) = (str(dim) for dim in data.dims if dim not in ("x", "y"))
     names, values = data.attrs["fields"].split(), data[varied]
     size = (3.3 * values.size + 1.0, 0.4 + height * len(names))

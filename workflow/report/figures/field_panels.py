@@ -15,28 +15,28 @@ from solver.body import HALF_PLANE
 from solver.fields import POINT_FIELDS
 from solver.units import prefixed
 from workflow.language import titles
-from workflow.report import symbols
 from workflow.report.figures.contours import below, grid, said
 from workflow.report.figures.style import DISTINCT, GREY, NEAR_EDGE, felt_only, field_label, panels, styled
 from workflow.report.svg import INK
 
-#: Fields that the parametric study shows.
-SHOWN = tuple(symbols.FIELDS)
-#: Those that are 0 beside the contact.
-_INSIDE = (*SHOWN[:3], "electric_displacement", "magnetic_induction")
-#: Symbols of the paper by field, with their equations.
-_SYMBOLS = {name: f"{symbol} ({equation})" for name, (symbol, equation) in symbols.FIELDS.items()}
+#: Fields that the parametric study shows in the paper's order, with symbols and their equations in docs/theory.md.
+_SYMBOLS = {
+    "contact_pressure": "−σ_yy (1.1)",
+    "electric_displacement_y": "D_y (1b)",
+    "magnetic_induction_y": "B_y (1c)",
+    "stress_xx": "σ_xx (1a)",
+    "electric_displacement_x": "D_x (1b)",
+    "magnetic_induction_x": "B_x (1c)",
+}
+#: Fields that are 0 outside the contact.
+_INSIDE = (*list(_SYMBOLS)[:3], "electric_displacement", "magnetic_induction")
 _ACROSS, _WIDE = 3, 32  # panels in a row, and letters of a label beside one
 _THREE = ("low", "middle", "high")
 
 
 @styled
 def fields(slabs: Sequence[xr.Dataset], felt: Collection[str]) -> Figure:
-    """Surface fields of a few cases: every factor in its middle but the second, or the only one, which varies.
-
-    The slabs are parts of the whole along its first axis; their number does not change the figure. Fields that the
-    study does not feel (``workflow.study.coupling.fields``) are left out.
-    """
+    """Draw felt surface fields of a few cases: the second factor, or the only one, varies, others are in the middle."""
     slabs = [felt_only(slab, felt) for slab in slabs]
     first, *others = (str(dim) for dim in slabs[0]["contact_pressure"].dims if dim != "position")
     if not others:
@@ -56,7 +56,7 @@ def fields(slabs: Sequence[xr.Dataset], felt: Collection[str]) -> Figure:
 
 
 def _of_three(data: xr.Dataset, varied: str) -> xr.Dataset:
-    """The cases at the ends and in the middle of a factor; all of a category's."""
+    """Return the cases at the ends and in the middle of a factor; all of a category."""
     if data[varied].dtype.kind not in "iuf":
         return data
     last = data.sizes[varied] - 1
@@ -64,7 +64,7 @@ def _of_three(data: xr.Dataset, varied: str) -> xr.Dataset:
 
 
 def _names(values: xr.DataArray) -> list[str] | None:
-    """Words for three values of a factor whose levels are no round numbers."""
+    """Return words for three values of a factor, whose levels are no round numbers; None for other values."""
     if values.dtype.kind not in "iuf" or values.size < len(_THREE):
         return None
     return [f"{word}: {said(values[k], 2)}" for word, k in zip(_THREE, (0, (values.size - 1) // 2, -1), strict=True)]
@@ -72,10 +72,7 @@ def _names(values: xr.DataArray) -> list[str] | None:
 
 @styled
 def effect(data: xr.Dataset, felt: Collection[str]) -> Figure:
-    """Effect of one factor on those of the six surface fields of the paper's Section 5 that are felt.
-
-    A last panel shows the pressure over lengths: positions over the half-width hide how wide the contacts are.
-    """
+    """Draw the effect of one factor on felt surface fields, and on the pressure over lengths."""
     lengths = _lengths(data)
     data = felt_only(data, felt)
     varied = next(str(dim) for dim in data["contact_pressure"].dims if dim != "position")
@@ -83,7 +80,7 @@ def effect(data: xr.Dataset, felt: Collection[str]) -> Figure:
 
 
 def _lengths(data: xr.Dataset) -> xr.DataArray | None:
-    """Surface positions from the middle of the punch in metres, where the contacts' ends are known."""
+    """Return surface positions from the middle of the punch [m]; None where the contacts' ends are unknown."""
     if "contact_radius" in data:
         return data["contact_radius"] * data["position"]
     if "contact_trailing" in data and "contact_leading" in data:
@@ -115,13 +112,15 @@ def _field_panels(
     # the half-plane beside films
     styles = ["--" if text == HALF_PLANE.name else "-" for text in texts]
     colours[[style == "--" for style in styles]] = to_rgba(INK)
-    # the page's script tells the id of every part
+    # the page's script shows the id of every part
     looks = [
         {"color": colour, "ls": style, "lw": 1.4, "gid": text}
         for colour, style, text in zip(colours, styles, texts, strict=True)
     ]
     line = "stress_xx" in data
-    names = [name for name in (SHOWN if line else POINT_FIELDS) if name in data and data[name].any()]  # not what is 0
+    names = [
+        name for name in (_SYMBOLS if line else POINT_FIELDS) if name in data and data[name].any()
+    ]  # not what is 0
     figure, axes = panels(len(names) + (lengths is not None), _ACROSS, 10.5, 2.8)
     X = data["position"].values
     for ax, name in zip(axes, names, strict=False):
@@ -154,14 +153,14 @@ def _field_panels(
 def _over_lengths(
     ax: Axes, pressure: xr.DataArray, lengths: xr.DataArray, varied: str, looks: Sequence[dict[str, Any]]
 ) -> None:
-    """The pressure below each punch over lengths from its middle."""
+    """Draw the pressure below each punch over lengths from its middle."""
     inside = np.abs(pressure["position"].values) < 1
     x = lengths.broadcast_like(pressure).transpose(varied, "position").values[:, inside]
     curves = pressure.transpose(varied, "position").values[:, inside]
     scale, unit = prefixed(float(np.nanmax(np.abs(x))), "m", digits=2)
     size, label = field_label(pressure, float(np.nanmax(np.abs(curves))), _SYMBOLS["contact_pressure"], _WIDE)
-    for places, curve, look in zip(x / scale, curves / size, looks, strict=True):
-        ax.plot(places, curve, **look)
+    for positions, curve, look in zip(x / scale, curves / size, looks, strict=True):
+        ax.plot(positions, curve, **look)
     ax.set_xlabel(f"x [{unit}]")
     ax.set_ylabel(label)
     regular = np.abs(pressure["position"].values[inside]) < 1 - NEAR_EDGE
@@ -169,7 +168,7 @@ def _over_lengths(
 
 
 def _bounded(ax: Axes, curves: Array) -> None:
-    """Set the range by the curves away from the edges: a square-root singularity has no peak."""
+    """Set the range of an axis by the curves away from the edges: a square-root singularity has no peak."""
     low, high = min(float(curves.min()), 0.0), max(float(curves.max()), 0.0)
     pad = 0.06 * (high - low) or 1.0
     ax.set_ylim(low - pad, high + pad)

@@ -1,4 +1,4 @@
-"""Data behind a figure's axes, stored inside the SVG for the pointer of the page."""
+"""Data of a figure's axes, stored inside the SVG for the pointer of the page."""
 
 import json
 from typing import Any
@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from approximation.arrays import Array
 
 _DIGITS = 4
-_KEPT = 41  # points of one curve
+_CURVE = 41  # points of one curve
 _GRID = 21  # points a side of a map
 _maps: "WeakKeyDictionary[Axes, dict[str, Any]]" = WeakKeyDictionary()
 
 
 def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
     """Attach values, (m, n), in the label's unit to a filled contour over x, (n,), and y, (m,), in the axes' units."""
-    columns, rows = (_some(size, _GRID) for size in (x.size, y.size))
+    columns, rows = (_thinned(size, _GRID) for size in (x.size, y.size))
     _maps[ax] = {
         "x": _rounded(x[columns]),
         "y": _rounded(y[rows]),
@@ -30,7 +30,7 @@ def attach_map(ax: Axes, x: Array, y: Array, values: Array, label: str) -> None:
 
 
 def metadata(figure: Figure) -> str:
-    """JSON of every axes of a drawn figure: its place (shares, from the top left), its scales, its curves or map."""
+    """Return JSON of every axes of a drawn figure: place (shares, from the top left), scales, curves or map."""
     described = [axes for ax in figure.axes if (axes := _axes(ax)) is not None]
     return json.dumps(described, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c").replace("&", "\\u0026")
 
@@ -41,8 +41,8 @@ def _axes(ax: Axes) -> dict[str, Any] | None:
         x, y = _data(line.get_xdata(), line.get_ydata())
         if line.get_transform() == ax.transData and x.size:
             label = str(line.get_gid() or line.get_label())
-            thinned = _some(x.size, _KEPT)
-            x, y = x[thinned], y[thinned]
+            indices = _thinned(x.size, _CURVE)
+            x, y = x[indices], y[indices]
             curves.append({"label": "" if label.startswith("_") else label, "x": _rounded(x), "y": _rounded(y)})
     if not curves and ax not in _maps:
         return None
@@ -58,7 +58,7 @@ def _axes(ax: Axes) -> dict[str, Any] | None:
 
 
 def _data(x: Any, y: Any) -> tuple[Array, Array]:
-    """Plain numbers; nothing where a curve is over names, or has gaps only."""
+    """Return the finite points of a curve; none of a curve over names."""
     try:
         pair = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     except (TypeError, ValueError):
@@ -72,12 +72,12 @@ def _scale(limits: tuple[float, float], kind: str, label: str) -> dict[str, Any]
 
 
 def _plain(label: str) -> str:
-    """A label on one line, without the marks of formulas."""
+    """Return a label on one line, without the marks of formulas."""
     return " ".join(label.replace("$", "").replace("\\sigma_{xx}", "σxx").split())
 
 
-def _some(size: int, most: int) -> NDArray[np.intp]:
-    """Places of at most so many of some values, both ends among them."""
+def _thinned(size: int, most: int) -> NDArray[np.intp]:
+    """Return evenly spread indices of at most so many values, both ends among them."""
     return np.unique(np.linspace(0, size - 1, min(size, most)).astype(np.intp))
 
 

@@ -1,4 +1,4 @@
-"""Figures of the report: what each factor does to the quantities, in variance and on average."""
+"""Figures of the report: effects of each factor on the quantities, in variance and on average."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ from workflow.report.figures.style import BLUE, by_ratio, factor_scale, logarith
 from workflow.study.categories import parted
 
 _SHOWN = 4
-_EVERY = 2  # positions of a curve, of which one is drawn
+_STRIDE = 2  # between drawn positions of a curve
 _BAND = 2  # root-mean-square errors on either side of a main effect
 
 
@@ -37,7 +37,7 @@ def main_effects(sensitivity: xr.Dataset, quantities: Sequence[str], of_interest
         output_indices = sensitivity.sel(output=output)
         scale, units = prefixed(float(np.abs(output_indices["main_effect"]).max()), output_indices["units"].item())
         for ax, name in zip(row, inputs, strict=True):
-            _curve(ax, output_indices.sel(input=name).isel(position=slice(None, None, _EVERY)), name, scale)
+            _curve(ax, output_indices.sel(input=name).isel(position=slice(None, None, _STRIDE)), name, scale)
         lines = [titles.title(quantity), categories, f"[{units}]" if units else ""]
         row[0].set_ylabel("\n".join(filter(None, lines)), fontsize=8 if categories else 9)
     for ax, name in zip(axes[-1], inputs, strict=True):

@@ -1,4 +1,4 @@
-"""Style and scales that the figures share, and their files: SVG without date, so that equal data give equal bytes."""
+"""Style and scales that the figures share, and their files: SVG whose bytes depend on the data alone."""
 
 import io
 from pathlib import Path
@@ -60,7 +60,7 @@ BLUE, ORANGE, GREY = "#2166ac", "#d95f02", "#8a8a8a"
 DISTINCT = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#7a7a7a", "#9a8b00")
 _ROOM_FOR_THREE, _ROOM_FOR_TWO = 1.35, 2.2  # decades of an axis up to which a decade has three ticks, or two
 
-#: How fields are named on axes; the others by their own names.
+#: Names of fields on axes where they differ from their titles.
 _FIELDS = {
     "contact_pressure": "contact pressure",
     "principal_tension": "largest principal stress",
@@ -89,28 +89,28 @@ _ID = re.compile(r'(\bid="|url\(#|href="#)([^")]+)')
 
 
 def felt_only(data: xr.Dataset, felt: Collection[str]) -> xr.Dataset:
-    """Fields or quantities of a file without those that measure another field than the study's own."""
+    """Return fields or quantities of a file without those that measure another field than the study's."""
     units = {name: str(array.attrs.get("units", "1")) for name, array in data.data_vars.items()}
     return data.drop_vars([name for name, unit in units.items() if not fields_of(unit) <= set(felt)])
 
 
-def field_label(field: xr.DataArray, size: float, where: str = "", most: int = 60) -> tuple[float, str]:
-    """Divisor of a field for values of some size, and its label with the unit."""
+def field_label(field: xr.DataArray, size: float, where: str = "", width: int = 60) -> tuple[float, str]:
+    """Return the divisor of a field for values of some size, and its label with the unit."""
     scale, units = prefixed(size, str(field.attrs["units"]), digits=2)
     name = str(field.name)
     name = titles.title(name) if name in TITLES and "position" in field.dims else _FIELDS.get(name, titles.title(name))
-    return scale, numbers.label(f"{name} {where}", units, most)
+    return scale, numbers.label(f"{name} {where}", units, width)
 
 
 def ticked(value: float, _place: int) -> str:
-    """A tick of a colour bar."""
+    """Return the text of a tick."""
     return numbers.number(value, 3)
 
 
 def panels(
     count: int, columns: int, width: float, height: float, extra_height: float = 0.0, **options: Any
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with some panels in rows; places of the last row that are left over stay empty."""
+    """Return a figure with panels in rows, and the axes; the last row may have empty places."""
     rows = -(-count // columns)
     figure, axes = plt.subplots(rows, columns, figsize=(width, height * rows + extra_height), squeeze=False, **options)
     for ax in axes.flat[count:]:
@@ -124,12 +124,12 @@ def by_ratio(values: Array) -> bool:
 
 
 def factor_scale(name: str, values: Array) -> tuple[float, str]:
-    """Divisor of a factor on its axis, and the unit."""
+    """Return the divisor of a factor on its axis, and the unit."""
     return prefixed(float(np.abs(values).max()), FACTORS[name].units)
 
 
 def logarithmic(ax: Axes, which: str, values: Array) -> None:
-    """Make an axis logarithmic, with plain numbers, as many as have room beside each other."""
+    """Make an axis logarithmic, with as many plain numbers as have room."""
     (ax.set_xscale if which == "x" else ax.set_yscale)("log")
     axis = ax.xaxis if which == "x" else ax.yaxis
     decades = np.log10(values.max() / values.min())
@@ -140,34 +140,34 @@ def logarithmic(ax: Axes, which: str, values: Array) -> None:
 
 
 def save(figure: Figure | str, path: Path) -> None:
-    """Write a figure as SVG, with what a pointer over it can say; whole or not at all."""
+    """Write a figure as SVG with the data for the page's pointer, whole or not at all."""
     if isinstance(figure, str):
         write_text(path, figure)
         return
     drawn = io.BytesIO()
     with mpl.rc_context(STYLE):  # the salt of the ids acts while saving
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": "meecontact"})
-    said = f'<metadata class="hover">{hover.metadata(figure)}</metadata>\n</svg>'  # of axes where they were drawn
+    data = f'<metadata class="hover">{hover.metadata(figure)}</metadata>\n</svg>'  # after the layout is drawn
     plt.close(figure)
-    write_bytes(path, said.join(compacted(drawn.getvalue().decode()).rsplit("</svg>", 1)).encode())
+    write_bytes(path, data.join(compacted(drawn.getvalue().decode()).rsplit("</svg>", 1)).encode())
 
 
 def compacted(text: str) -> str:
-    """The same picture: outlines in hundredths of a point, each style once, short ids, no blank that nothing needs."""
+    """Return the same picture with outlines in hundredths of a point, each style once, short ids and few blanks."""
     text = _UNTURNED.sub("", _DROPPED_IDS.sub("<g", _IMAGE_IDS.sub("", _DROPPED.sub("", text))))
     text = _shortened(_ungrouped(text))
     text = _PLACED.sub(_shorter, _BETWEEN.sub("><", text))
     styles = Counter(_STYLE.findall(text))
-    names = {style: _name(style) for style, times in styles.items() if times > 1}
+    names = {style: _class_name(style) for style, times in styles.items() if times > 1}
     text = _STYLE.sub(lambda match: f' class="{names[match[1]]}"' if match[1] in names else match[0], text)
     rules = "".join(f".{name}{{{style}}}" for style, name in names.items())
-    # what matplotlib says of every element
+    # attributes that matplotlib repeats at every element
     head = f' stroke-linejoin="round" stroke-linecap="butt"><style>{rules}</style>'
     return text.strip().replace(">", head, 1) + "\n"
 
 
 def _ungrouped(text: str) -> str:
-    """Without the groups that say nothing of what is in them."""
+    """Return SVG without groups that have no attributes."""
     bare: list[bool] = []
 
     def kept(match: re.Match[str]) -> str:
@@ -180,21 +180,21 @@ def _ungrouped(text: str) -> str:
 
 
 def _shortened(text: str) -> str:
-    """With the ids numbered as they come."""
+    """Return SVG with ids numbered in their order."""
     known: dict[str, str] = {}
     return _ID.sub(lambda match: match[1] + known.setdefault(match[2], f"i{len(known)}"), text)
 
 
-def _name(style: str) -> str:
-    """The same for the same style in every figure, as many stand in one page."""
+def _class_name(style: str) -> str:
+    """Return the class of a style, which is the same in all figures of a page."""
     return "s" + hashlib.blake2b(style.encode(), digest_size=4).hexdigest()
 
 
 def _shorter(places: re.Match[str]) -> str:
-    """Places in hundredths of a point."""
+    """Return coordinates in hundredths of a point."""
     return _FINE.sub(lambda decimal: _number(float(decimal[0])), _BLANK.sub(r"\1", places[0]))
 
 
 def _number(value: float) -> str:
-    """Two decimals, as short as they can be written."""
+    """Return a number with two decimals, as short as possible."""
     return re.sub(r"^(-?)0\.", r"\1.", f"{round(value, 2) + 0.0:g}" if abs(value) < 1e3 else f"{value:.2f}")
