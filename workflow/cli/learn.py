@@ -120,15 +120,15 @@ def learn(options: argparse.Namespace) -> None:
 def _uncertain(words: list[str] | None) -> dict[str, float | None] | None:
     """Return prior standard deviations by name from ``NAME`` or ``NAME=5%`` between commas; None without any."""
     texts = named("--uncertain", words)
-    return {name: _share("--uncertain", name, text) if text else None for name, text in texts.items()} or None
+    return {name: _share(name, text) if text else None for name, text in texts.items()} or None
 
 
-def _share(option: str, name: str, text: str) -> float:
+def _share(name: str, text: str) -> float:
     plain = text.removesuffix("%")
     try:
         share = number(plain) * (0.01 if plain != text else 1.0)
     except ValueError:
         share = -1.0
     if not 0 < share <= 0.5:
-        raise InputError(f"{option}: {name}: {text!r} is not a number above 0 and up to 0.5 (50 %)")
+        raise InputError(f"--uncertain: {name}: {text!r} is not a number above 0 and up to 0.5 (50 %)")
     return share

@@ -72,9 +72,8 @@ def solve_table(options: argparse.Namespace) -> None:
         return
     positions = None if options.positions is None else numbers("--positions", options.positions)
     points = len(positions or [0.0])
-    table, out = _solved(
-        options, lambda factors: solve(factors, positions, materials=options.known, peaks=options.peaks), points
-    )
+    answer = partial(solve, positions=positions, materials=options.known, peaks=options.peaks)
+    table, out = _solved(options, answer, points)
     _check_units(table, out)
     _tell_missing(*_lacking(table, out), out.attrs.get("heat", ""))
     if options.output is None:
@@ -104,9 +103,7 @@ def _write_blocks(options: argparse.Namespace, columns: dict[str, str]) -> int |
     heat = ""
     with suppress(_FurtherColumnsError), writing(options.output) as file:
         for table in read_blocks(options.cases, _BLOCK) if options.cases else [one_case("--at", options.at)]:
-            out = solved(
-                table, lambda factors: solve(factors, materials=options.known, peaks=options.peaks), strains=strains
-            )
+            out = solved(table, partial(solve, materials=options.known, peaks=options.peaks), strains=strains)
             _check_units(table, out)
             units = _units(out)
             if columns and units.keys() - columns.keys():
@@ -219,12 +216,8 @@ def solve_inside(options: argparse.Namespace) -> None:
     _check_files(options)
     x, y = numbers("--x", options.x), numbers("--y", options.y)
     fields = [name.strip() for name in options.fields.split(",")] if options.fields else None
-    points = len(x) * len(y)
-
-    def answer(factors: xr.Dataset) -> xr.Dataset:
-        return solve_interior(factors, x, y, fields=fields, materials=options.known)
-
-    table, out = _solved(options, answer, points, checked=True)
+    answer = partial(solve_interior, x=x, y=y, fields=fields, materials=options.known)
+    table, out = _solved(options, answer, len(x) * len(y), checked=True)
     write_whole(out, options.output)
     _tell_written(options, table.count, f"{len(out.data_vars)} fields on {len(x)} x {len(y)} points")
 
@@ -238,7 +231,7 @@ def _solved(
         what = "fields" if options.positions is not None else f"{table.count} cases"
         raise InputError(f"solve: {what} need -o OUT.nc or OUT.csv; one case is printed")
     if checked and {"force", "load"} & table.bare:
-        _check_units(table, solved(table, lambda factors: solve(factors, materials=options.known)))
+        _check_units(table, solved(table, partial(solve, materials=options.known)))
     return table, solved(table, answer, points)
 
 

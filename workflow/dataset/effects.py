@@ -1,6 +1,7 @@
 """The parametric study: exact cases of one factor at a time about a baseline, along the surface and inside."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,10 +24,7 @@ def effect(study: Study, factor: str) -> xr.Dataset:
     """Return quantities over the values of one factor, behind a film's the half-plane, and fields over position."""
     assert study.effects is not None  # the rules are of studies that have them
     positions = study.effects.positions.values()
-
-    def solved(case: Mapping[str, Any]) -> xr.Dataset:
-        return solve(case, positions, materials=study.own_materials, phases=study.phases)
-
+    solved = partial(solve, positions=positions, materials=study.own_materials, phases=study.phases)
     out = _beside_half_plane(study.effects, factor, study.effects.case(factor), solved)
     fields = [name for name in FIELDS | POINT_FIELDS if name in out]
     return out.assign_attrs(title=f"effect of {factor}", fields=" ".join(fields))
@@ -54,10 +52,7 @@ def interior(study: Study, factor: str) -> xr.Dataset:
     assert shown is not None
     case[factor] = _few(study.effects.vary[factor])
     x, y = shown.grid()
-
-    def solved(case: Mapping[str, Any]) -> xr.Dataset:
-        return solve_interior(case, x, y, fields=shown.fields, materials=study.own_materials, phases=study.phases)
-
+    solved = partial(solve_interior, x=x, y=y, fields=shown.fields, materials=study.own_materials, phases=study.phases)
     out = _beside_half_plane(study.effects, factor, case, solved)
     return out.assign_attrs(title=f"effect of {factor} inside the body", fields=" ".join(shown.fields))
 

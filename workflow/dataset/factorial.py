@@ -32,11 +32,9 @@ def axis_inputs(study: Study) -> list[Input]:
     """Return the axes of the data set, factors or groups, as inputs of a surrogate."""
     if not study.groups:
         return inputs(study)
-    names = {
-        name: FACTORS[name].long_name if product.lone else product.text for name, product in study.products.items()
-    }
+    products = study.products
     return [
-        Input(name, axis.low, axis.high, axis.scale, study.products[name].units, names[name])
+        Input(name, axis.low, axis.high, axis.scale, products[name].units, products[name].long_name)
         for name, axis in study.axes.items()
     ]
 
@@ -182,5 +180,4 @@ def _named(study: Study, case: Mapping[str, xr.DataArray], reason: Exception) ->
 def _axis(study: Study, name: str, values: Any) -> xr.Variable:
     """Return the values of a group over their dimension, or over the group itself."""
     product, dim = study.products[name], values.dims if isinstance(values, xr.DataArray) else name
-    attrs = {"units": product.units, "long_name": FACTORS[name].long_name if product.lone else product.text}
-    return xr.Variable(dim, np.asarray(values), attrs)
+    return xr.Variable(dim, np.asarray(values), {"units": product.units, "long_name": product.long_name})

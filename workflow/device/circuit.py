@@ -40,14 +40,13 @@ class Circuit:
             raise ValueError("loss_frequency: a loss tangent and its frequency need each other")
         if "feedback_resistance" in numbers and "feedback_capacitance" not in numbers:
             raise ValueError("feedback_resistance: without a feedback_capacitance")
-        if "resistivity" in numbers and film is None:
-            raise ValueError("resistivity: needs the material of the film")
-        leakage = 0.0
-        if "resistivity" in numbers and film is not None:
-            leakage = 1 / (numbers["resistivity"] * permittivity(film))
-        elif "loss_tangent" in numbers:
-            leakage = 2 * np.pi * numbers["loss_frequency"] * numbers["loss_tangent"]
-        return cls(numbers, leakage)
+        if "resistivity" in numbers:
+            if film is None:
+                raise ValueError("resistivity: needs the material of the film")
+            return cls(numbers, 1 / (numbers["resistivity"] * permittivity(film)))
+        if "loss_tangent" in numbers:
+            return cls(numbers, 2 * np.pi * numbers["loss_frequency"] * numbers["loss_tangent"])
+        return cls(numbers)
 
     @property
     def reads_charge(self) -> bool:

@@ -3,7 +3,7 @@
 The charge is that of the punch, or of a patch of an electrode below it where the case has a ``collector``.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
@@ -125,7 +125,7 @@ class ContactCurves:
 
 
 def film(
-    case: Mapping[str, Any], materials: Mapping[str, Material], phases: tuple[str, str]
+    case: Mapping[str, Any], materials: Mapping[str, Material], phases: Sequence[str]
 ) -> tuple[Stack | None, Material]:
     """Return the single film of a case between its electrodes, None without a film, and the body's material."""
     material = material_of(Cases(checked(dict(case)), materials, phases))

@@ -76,9 +76,8 @@ def _warmth(
         return None, ""
     solved = study.solved(solve, {**_cold(case), study.kind.loads.force: pressing.force / length(study)})
     try:
-        phases = (study.phases[0], study.phases[1])
         return Warmth.of_case(
-            factors, solved, times, length=length(study), materials=study.own_materials, phases=phases
+            factors, solved, times, length=length(study), materials=study.own_materials, phases=study.phases
         ), ""
     except HeatError as error:
         return None, str(error).removeprefix("heat: ")
@@ -104,7 +103,7 @@ def _pressed(
         body = layered.stack(study.body, factors, study.own_materials, study.phases)
         return factors, body, _leaking_layer(body, factors)
     pressed = {**factors, force: pressing.force / length(study)}
-    return factors, *film(pressed, study.own_materials, (study.phases[0], study.phases[1]))
+    return factors, *film(pressed, study.own_materials, study.phases)
 
 
 def _leaking_layer(body: Stack, case: Mapping[str, Any]) -> Material:

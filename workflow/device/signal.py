@@ -1,6 +1,6 @@
 """The signal of a history of forces and temperatures: charge, voltage and output in time, and the charge of heat."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -196,7 +196,7 @@ class Warmth:
         *,
         length: float = 1.0,
         materials: Mapping[str, Material],
-        phases: tuple[str, str] = ("BaTiO3", "CoFe2O4"),
+        phases: Sequence[str] = ("BaTiO3", "CoFe2O4"),
     ) -> Self:
         """Fit the warmth of a solved film under a history's punch; ``length`` [m] is that of a line."""
         whole = float(history.times[-1] - history.times[0])

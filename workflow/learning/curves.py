@@ -39,13 +39,10 @@ def model(study: Study, compression: float, by: Grouping | None = None) -> Curve
                     place = region.fields.index(peak.place) if peak.place else -1
                     output_name = output(quantity, combination)
                     largest[output_name] = Largest(len(curves) - 1, peak.measure, place)
-                    described = ALL_QUANTITIES[quantity]
-                    words = (
-                        f"{described.long_name}, {categories.named(combination)}"
-                        if combination
-                        else described.long_name
-                    )
-                    attrs[output_name] = {"units": described.units, "long_name": words}
+                    names = f", {categories.named(combination)}" if combination else ""
+                    described_peak = ALL_QUANTITIES[quantity]
+                    words = described_peak.long_name + names
+                    attrs[output_name] = {"units": described_peak.units, "long_name": words}
     inputs = factorial.inputs(study)
     scalings = dict(by.scalings) if by else {}
     for combination in study.combinations if by else ():

@@ -45,7 +45,7 @@ def fit(study: Study) -> GaussianProcess:
     model: GaussianProcess
     if study.groups:
         over = representatives.factors(study, levels)
-        data = _regular(study, dict(over), angles).assign_coords({**{name: levels[name] for name in levels}, **over})
+        data = _regular(study, dict(over), angles).assign_coords({**levels, **over})
         grouping = similar.grouping(
             study, inputs, [*factorial.axis_inputs(study), ANGLE], {name: name for name in NAMES}
         )

@@ -219,8 +219,7 @@ def _good(target: Target, answer: Answer, moving: Collection[str], reference: fl
     """Return every goal's value with its spread, its datum if it depends on one, and the conditions."""
     datum = f" (ground {titles.value('datum', reference)} away)"
     parts = [f"{goal.title}{datum if goal.name in moving else ''} {_with_band(goal)}" for goal in answer.objectives]
-    together = ", the compromise of both goals" if len(parts) == 2 else ""
-    together = ", the compromise of all goals" if len(parts) > 2 else together
+    together = f", the compromise of {'both' if len(parts) == 2 else 'all'} goals" if len(parts) > 1 else ""
     names = {name for goal in answer.objectives for name in goal.statement.expression.names()}
     if names <= {*answer.case}:  # a factor as a goal
         over = "" if names.isdisjoint(target.tolerance) else ", tolerance included"

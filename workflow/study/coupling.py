@@ -21,17 +21,17 @@ _COUPLING: dict[Field, tuple[str, ...]] = {
 
 def fields(study: Contents) -> frozenset[Field]:
     """Return the fields to which some material in use couples, or of which a punch has a charge."""
-    coupled = {field for material in materials(study) for field in _COUPLING if _couples(material, field)}
+    coupled = {
+        field
+        for material in materials(study)
+        for field, constants in _COUPLING.items()
+        if any(np.any(np.nan_to_num(getattr(material, name))) for name in constants)
+    }
     values = _named_values(study)
     for field, charge in zip(_COUPLING, study.kind.loads.charges, strict=True):
         if charge in study.factors or any(value not in (0.0, None) for value in values.get(charge, [])):
             coupled.add(field)
     return frozenset(coupled)
-
-
-def _couples(material: Material, field: Field) -> bool:
-    """Return True if a material couples a field to its deformation or to the other field."""
-    return any(np.any(np.nan_to_num(getattr(material, name))) for name in _COUPLING[field])
 
 
 def felt_outputs(study: Contents) -> list[str]:

@@ -43,6 +43,11 @@ class Product:
         """Return True if the product is one factor to the power one."""
         return list(self.powers.values()) == [1]
 
+    @property
+    def long_name(self) -> str:
+        """Meaning of the factor where the product is one; else the product as the study has it."""
+        return FACTORS[self.name].long_name if self.lone else self.text
+
 
 @cache
 def product(text: str) -> Product:

@@ -92,7 +92,7 @@ class SolvedCase:
     device: Mapping[str, float]  # numbers of a study's section ``device``; empty without one
     smallest_force: float = np.nan  # [N]
     materials: Mapping[str, Material] = field(default_factory=dict)  # beside the library's
-    phases: tuple[str, str] = ("BaTiO3", "CoFe2O4")
+    phases: Sequence[str] = ("BaTiO3", "CoFe2O4")
     body: Stack | None = None  # of a study's body
     band: float = np.nan  # the printed relative band; NaN: the least spread of published constants
     hold: float = HOLD  # [s] from the touch to the reading, where the factors name none
@@ -102,7 +102,7 @@ class SolvedCase:
         """Quantities of the case."""
         return self.quantities({})
 
-    def quantities(self, others: Mapping[str, float]) -> Mapping[str, float]:
+    def quantities(self, others: Mapping[str, float | str]) -> Mapping[str, float]:
         """Return quantities of the case with some other factors."""
         out = self.solve({**self.factors, **others})
         return {str(name): float(out[name].squeeze()) for name in out.data_vars if out[name].size == 1}
@@ -193,7 +193,6 @@ def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, ba
     """Return a case of a study, with its device, for the budget."""
     device = dict(study.device.constants) if study.device else {}
     device |= {name: float(factors[name]) for name in DEVICE if study.device and name in factors}
-    phases = (study.phases[0], study.phases[1])
     return SolvedCase(
         kind=study.kind,
         factors=factors,
@@ -202,8 +201,8 @@ def of_study(study: Study, factors: Mapping[str, Any], smallest_force: float, ba
         device=device,
         smallest_force=smallest_force,
         materials=study.own_materials,
-        phases=phases,
-        body=layered.stack(study.body, dict(factors), study.own_materials, phases) if study.body else None,
+        phases=study.phases,
+        body=layered.stack(study.body, dict(factors), study.own_materials, study.phases) if study.body else None,
         band=band,
         hold=study.signal.hold if study.signal else HOLD,
     )
@@ -326,9 +325,8 @@ def _pad(case: SolvedCase) -> Iterator[LeftOut]:
     endless = case.solved.get("electrode_charge_per_force")
     if endless is None or "patch_size" in case.factors or case.kind.air:
         return
-    pad = {"patch_size": PAD, "patch": "disc" if case.point else "strip"}
-    charge = float(case.solve({**case.factors, **pad})["patch_charge_per_force"].squeeze())
-    share = abs(charge / endless - 1)
+    pad = case.quantities({"patch_size": PAD, "patch": "disc" if case.point else "strip"})
+    share = abs(pad["patch_charge_per_force"] / endless - 1)
     brief = f"the end of a pad of {shown(PAD, 'm', 2)} changes the charge by {number(100 * share, 2)} %"
     detail = f"; from {shown(PAD * share / _FEW, 'm', 2)} on it changes by less than {number(100 * _FEW, 2)} %"
     yield _effect(case, "end of the pad", "signal", PAD * share / _FEW, PAD, "m", share, brief, detail)
@@ -555,7 +553,7 @@ def _friction(case: SolvedCase) -> Iterator[LeftOut]:
     if not slides or "trailing_tension" not in case.solved:
         return
     tension = case.solved["trailing_tension"]
-    tension_at_rest = float(case.solve({**case.factors, "friction": 0.0})["trailing_tension"].squeeze())
+    tension_at_rest = case.quantities({"friction": 0.0})["trailing_tension"]
     brief = f"friction slides everywhere, with a tension of {shown(tension, 'Pa', 3)}"
     detail = f"; a press without motion has less, without friction {shown(tension_at_rest, 'Pa', 3)}"
     yield _effect(case, "friction", "", tension, np.nan, "Pa", np.nan, brief, detail)

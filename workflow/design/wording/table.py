@@ -92,11 +92,11 @@ def as_json(answer: Answer) -> str:
             | {"inside": term.inside, "units": term.units}
             for term in answer.terms
         },
+        "left_out": [
+            {key: value if isinstance(value, str) else _finite(value) for key, value in vars(effect).items()}
+            for effect in answer.left_out
+        ],
     }
-    out["left_out"] = [
-        {key: value if isinstance(value, str) else _finite(value) for key, value in vars(effect).items()}
-        for effect in answer.left_out
-    ]
     if "front" in answer.pictures.dims:
         out["front"] = _front(answer)
     return json.dumps(out, indent=2, allow_nan=False)
