@@ -81,6 +81,11 @@ def selected(record: Record, cases: slice | Indices, *names: str) -> Record:
     return replace(record, **{name: values[cases] for name, values in arrays.items() if values is not None})
 
 
+def fields_by_name(names: Sequence[str], values: Array) -> dict[str, Array]:
+    """Split fields (case, field, ...) into one array (case, ...) for each name."""
+    return dict(zip(names, np.moveaxis(values, 1, 0), strict=True))
+
+
 def column(values: Array) -> Array:
     """Reshape values (...) to (..., 1, 1), to multiply matrices."""
     return values[..., None, None]

@@ -24,26 +24,13 @@ _FORCE, _LENGTH, _STRESS, _INTENSITY = Weight(1.0, 1.0), Weight(1.0), Weight(0.0
 
 #: Factors that change under similarity.
 FACTOR_WEIGHTS: dict[str, Weight] = {
-    "radius": Weight(1.0, -1.0),
-    **dict.fromkeys(("radius_x", "radius_y", "crown_radius"), Weight(1.0, -1.0)),
-    **dict.fromkeys(("length", "longest_wavelength", "shortest_wavelength", "map_spacing"), _LENGTH),
-    "roughness": _FORCE,
-    "tilt": _STRESS,
-    "width": _LENGTH,
-    "slope": _STRESS,
-    "moment": Weight(2.0, 1.0),
-    "load": _FORCE,
-    "charge": _FORCE,
-    "magnetic_charge": _FORCE,
-    "force": Weight(2.0, 1.0),
-    "total_charge": Weight(2.0, 1.0),
-    "total_flux": Weight(2.0, 1.0),
-    "datum": _LENGTH,
-    "thickness": _LENGTH,
-    "gap_radius": _LENGTH,
-    "patch_size": _LENGTH,
-    "patch_position": _LENGTH,
-    "patch_pitch": _LENGTH,
+    **dict.fromkeys(("radius", "radius_x", "radius_y", "crown_radius"), Weight(1.0, -1.0)),
+    **dict.fromkeys(("length", "width", "datum", "thickness", "gap_radius", "map_spacing"), _LENGTH),
+    **dict.fromkeys(("longest_wavelength", "shortest_wavelength"), _LENGTH),
+    **dict.fromkeys(("patch_size", "patch_position", "patch_pitch"), _LENGTH),
+    **dict.fromkeys(("slope", "tilt"), _STRESS),
+    **dict.fromkeys(("load", "charge", "magnetic_charge", "roughness"), _FORCE),
+    **dict.fromkeys(("moment", "force", "total_charge", "total_flux"), Weight(2.0, 1.0)),
 }
 
 _CHANGING: dict[Weight, tuple[str, ...]] = {

@@ -16,6 +16,7 @@ from storage.sealed import SEAL, seal
 from surrogate.face.model import GaussianProcess
 from tests import programs
 from tests.surrogate import grouped
+from tests.surrogate.functions import inside
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -54,8 +55,7 @@ def files(quickstart_run: Project, tmp_path_factory: pytest.TempPathFactory) -> 
 @pytest.mark.parametrize("kind", ["grid", "grouped", "root"])
 def test_the_reader_agrees_with_the_program(kind: str, files: dict[str, Path]) -> None:
     model = surrogate.load(files[kind])
-    t = np.random.default_rng(3).uniform(-1, 1, (12, len(model.inputs_)))
-    X = np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t.T, strict=True)], axis=1)
+    X = inside(model.inputs_, 12, 3, 1.0)
     X[0], X[1] = [axis.low for axis in model.inputs_], [axis.high for axis in model.inputs_]
     points = [dict(zip(model.box, row, strict=True)) for row in X.tolist()]
     mean, std = model.predict_array(X, return_std=True)

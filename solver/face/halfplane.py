@@ -32,14 +32,10 @@ class OnHalfPlane(Body):
         self.contact = contact_of(cases)
         warn_of_rounding(self.contact.halfplane.distinct)
 
-    @property
-    def _datum(self) -> Array:
-        return self.cases.number("datum")
-
     @np.errstate(all="ignore")  # here and below: values that are not finite are reported with the outputs
     def quantities(self) -> dict[str, Array]:
         """Quantities of ``solver.names.QUANTITIES`` that every case has; (...)."""
-        return quantities(self.contact, self._datum, punch_datum(self.cases))
+        return quantities(self.contact, self.cases.number("datum"), punch_datum(self.cases))
 
     def peaks(self, requested: Set[str]) -> dict[str, Array]:
         """Requested quantities of ``solver.names.PEAKS``; (...)."""
@@ -65,7 +61,7 @@ class OnHalfPlane(Body):
         fields = interior_parts(self.contact, points_x, points_y, linear).whole(self.contact)
         values = {name: fields[..., k, :] for k, name in enumerate(linear)}
         if set(POTENTIALS) & set(names):
-            electric_and_magnetic = potentials(self.contact, points_x, points_y, self._datum)
+            electric_and_magnetic = potentials(self.contact, points_x, points_y, self.cases.number("datum"))
             values |= {name: electric_and_magnetic[..., k, :] for k, name in enumerate(POTENTIALS)}
         return {name: values[name].reshape(*values[name].shape[:-1], y.size, x.size) for name in values}
 

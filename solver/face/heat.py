@@ -17,15 +17,7 @@ from solver.heat.charge import HeatedStack, HeatError, constant, film_gap
 from solver.heat.touch import Patch, Shape, Spot, Warmed
 from solver.material.constants import Material
 from solver.material.punches import RIGID_PUNCH, punches
-from solver.names import (
-    AIR,
-    BODY,
-    FACTORS,
-    HEAT_QUANTITIES,
-    NEVER_TEMPERATURE,
-    NEVER_TIME,
-    OF_HEAT,
-)
+from solver.names import AIR, BODY, FACTORS, HEAT_QUANTITIES, NEVER_TEMPERATURE, NEVER_TIME, OF_HEAT
 from solver.stack.layers import Stack
 from solver.units import VACUUM_PERMITTIVITY
 

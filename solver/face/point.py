@@ -3,11 +3,12 @@
 from abc import abstractmethod
 from collections.abc import Callable, Collection, Sequence, Set
 from functools import cached_property
+from math import prod
 
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, column, distinct_rows, outer
+from solver.arrays import Array, column, distinct_rows, fields_by_name, outer
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import reading_of
@@ -112,10 +113,7 @@ class OnPoints(Body):
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
         self._refuse_electroded("fields")
         return self._of_parts(
-            lambda pressed, index: dict(
-                zip(names, np.moveaxis(self._fields(pressed, index, x, y, names), 1, 0), strict=True)
-            ),
-            self._apart(),
+            lambda pressed, index: fields_by_name(names, self._fields(pressed, index, x, y, names)), self._apart()
         )
 
     # -- overridden for contacts in air --------------------------------------------------------------------------------
@@ -181,22 +179,11 @@ class OnHalfSpace(OnPoints):
 
     def _pressed(self) -> list[tuple[Indices, Pressed]]:
         warn_of_rounding(self._half.distinct)
-        return [
-            (index, self._of(index, shape, coefficient)) for index, shape, coefficient in self._by_exponent(self._every)
-        ]
+        return self._of(np.arange(prod(self.shape)))
 
     def _apart(self) -> list[tuple[Indices, Pressed]]:
         which = self._flat(self._bodies.which)
-        return [
-            (index[same_body], self._of(index[same_body], shape, coefficient[same_body]))
-            for index, shape, coefficient in self._by_exponent(self._every)
-            for number in np.unique(which[index])
-            if (same_body := np.flatnonzero(which[index] == number)).size
-        ]
-
-    @property
-    def _every(self) -> Indices:
-        return np.arange(int(np.prod(self.shape)))
+        return [part for number in np.unique(which) for part in self._of(np.flatnonzero(which == number))]
 
     @cached_property
     def _half(self) -> HalfPlane:
@@ -214,13 +201,14 @@ class OnHalfSpace(OnPoints):
         )
         return self._flat(N, 3, 3), self._flat(k, 3), self._flat(half.scale, 4)
 
-    def _of(self, index: Indices, shape: Shape, coefficient: Array) -> Pressed:
-        """Return the contacts of indexed cases with one exponent."""
-        N, k, units = self._compliances
-        conducts = self._flat(self.cases.conducts, 2)[index]
-        friction = Friction(self._friction[index], k[index]) if "friction" in self.cases.values else None
-        body = HalfSpace(N[index], shape)
-        return Pressed(body, units[index], coefficient, *self._loads(index), conducts, friction=friction)
+    def _of(self, cases: Indices) -> list[tuple[Indices, Pressed]]:
+        """Return indices and contacts of the indexed cases, those of one exponent together."""
+        (N, k, units), conducts, parts = self._compliances, self._flat(self.cases.conducts, 2), []
+        for index, shape, coefficient in self._by_exponent(cases):
+            friction = Friction(self._friction[index], k[index]) if "friction" in self.cases.values else None
+            body, loads = HalfSpace(N[index], shape), self._loads(index)
+            parts.append((index, Pressed(body, units[index], coefficient, *loads, conducts[index], friction=friction)))
+        return parts
 
     @property
     def _lacks_c12(self) -> str | None:

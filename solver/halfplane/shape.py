@@ -19,7 +19,7 @@ from functools import cache, cached_property
 import numpy as np
 import scipy  # scipy.special, slow to import, and not every job solves
 
-from solver.arrays import Array, Points, power_series, stack
+from solver.arrays import Array, Points, dot, power_series, stack
 from solver.halfplane.sliding import FrictionAngle
 
 _FAR = 0.3  # |u| below which the series is used; above it the closed form loses less than (1/u)^(degree + 2)
@@ -114,7 +114,7 @@ class Shape:
             before, log_before = (plain[j - 1], logs[j - 1]) if j else (0.0, 0.0)
             plain.append((skew * plain[j] + j * before) / (power + j + 2))
             logs.append((skew * logs[j] - plain[j] - plain[j + 1] + j * log_before) / (power + j + 2))
-        return _contracted(self.factor, logs)
+        return dot(self.factor, stack(*logs))
 
     @cached_property
     def follower_moment(self) -> Array:
@@ -125,7 +125,7 @@ class Shape:
         values = [-self.angle.digamma_difference - 4 / (1 + 2 * delta)]  # of int (z^j Phi - Pol) / sqrt(z^2 - 1)
         for j in range(count - 1):
             values.append((phi[j + 1] - 2 * delta * values[j] + (j * values[j - 1] if j else 0.0)) / (j + 1))
-        return -np.pi * self._sign * self.angle.delta_over_tan * _contracted(self._power, values)
+        return -np.pi * self._sign * self.angle.delta_over_tan * dot(self._power, stack(*values))
 
     def traction(self, X: Array) -> tuple[Array, Array]:
         """S and S sqrt(1 - X^2) at positions |X| < 1; (..., position)."""
@@ -191,11 +191,6 @@ def chebyshev_of_powers(count: int) -> Array:
     """Chebyshev coefficients of the powers 1 to X^(count - 1); (power, count)."""
     rows = [np.polynomial.chebyshev.poly2cheb(row) for row in np.eye(count)]
     return np.array([np.pad(row, (0, count - len(row))) for row in rows])
-
-
-def _contracted(coefficients: Array, values: Sequence[Array]) -> Array:
-    """Sum over k of coefficients[..., k] values[k]; (...)."""
-    return np.asarray(sum(coefficients[..., k] * value for k, value in enumerate(values)))
 
 
 def imbalance(angle: FrictionAngle, slope: Sequence[Array]) -> Array:

@@ -55,11 +55,6 @@ class HalfPlane:
         return np.moveaxis(_taken(np.moveaxis(values, 0, -1), self.shared[1]), -1, 0)  # cases contiguous
 
     @cached_property
-    def inertia(self) -> Array:
-        """Inertia rho V^2 [Pa], 0 at rest, where rho may be unknown; (...)."""
-        return np.where(self.speed > 0, self.material.rho, 0.0) * self.speed**2
-
-    @cached_property
     def scale(self) -> Array:
         """Diagonal scale (..., 4) that brings every block of the stiffness to the order of one, in any base units."""
         m = self.material
@@ -70,7 +65,8 @@ class HalfPlane:
         """Scaled N = [[N1, N2], [N3, N1^T]] of the eigenproblem N [a; b] = p [a; b]; (..., 8, 8), dimensionless."""
         scales = outer(self.scale)
         Q, R, T = self.material.generalised_stiffness()
-        Q, R, T = (Q - column(self.inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * scales, R * scales, T * scales
+        inertia = np.where(self.speed > 0, self.material.rho, 0.0) * self.speed**2  # at rest, rho may be unknown
+        Q, R, T = (Q - column(inertia) * np.diag([1.0, 1.0, 0.0, 0.0])) * scales, R * scales, T * scales
         T_inv = np.linalg.inv(T)
         N1 = -T_inv @ R.mT
         N3 = -R @ N1 - Q

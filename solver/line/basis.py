@@ -60,13 +60,8 @@ class Basis:
     def projection(self) -> Array:
         """Matrix from values at the nodes to coefficients in P^(-A,-B), by Gauss's rule; (M, M)."""
         X, weights = self._dual_rule
-        return np.asarray(self.dual(X, self.terms) * weights / self.dual_norms[:, None])
-
-    @cached_property
-    def dual_norms(self) -> Array:
-        """Integrals of the squares of P_j^(-A,-B) with their weight; (M,)."""
-        X, weights = self._dual_rule
-        return np.asarray(self.dual(X, self.terms) ** 2 @ weights)
+        values = self.dual(X, self.terms)
+        return np.asarray(values * weights / (values**2 @ weights)[:, None])
 
     @cached_property
     def charge_projection(self) -> Array:

@@ -3,13 +3,13 @@
 Tangents move the edges, so that reciprocity, exact at a fixed contact, does not hold for them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, dot
+from solver.arrays import Array, dot, selected
 from solver.halfplane.profile import Profile
 from solver.line import outputs
 from solver.line.basis import mean_rule
@@ -28,7 +28,7 @@ class FilmContact:
     profile: Profile
     load: Array  # P [N/m]; (case,)
     charges: Array  # T [C/m] and J [Wb/m]; (case, 2)
-    datum: Array  # L [m]
+    datum: Array  # L [m]; (case,)
     punch_datum: Array | None = None  # Reference length of an elastic punch [m]; by default L
 
     @property
@@ -107,9 +107,7 @@ class FilmContact:
         """(Y_low)_oo log(L/b) / pi, the datum's displacements per total traction; (case or 1, 3, 3)."""
         system = self.table.system
         punch_length = self.datum if self.punch_datum is None else self.punch_datum
-        body, punch = (
-            np.log(np.asarray(L, dtype=np.float64) / system.kernel.width) for L in (self.datum, punch_length)
-        )
+        body, punch = (np.log(length / system.kernel.width) for length in (self.datum, punch_length))
         far = lowest(system.kernel.stack)[1:, 1:] / np.pi * body[..., None, None]
         return np.asarray(far + system.coefficients.punch[0] / np.pi * punch[..., None, None] * _NORMAL)
 
@@ -192,14 +190,8 @@ class FilmContact:
 
     def part(self, cases: Indices) -> "FilmContact":
         """Return the contacts of the selected cases."""
-        size = self.load.shape
-
-        def selected(values: Array) -> Array:
-            return np.asarray(np.broadcast_to(values, size)[cases])
-
-        punch_datum = None if self.punch_datum is None else selected(self.punch_datum)
-        profile, charges = self.profile.part(cases, size), self.charges[cases]
-        return FilmContact(self.table, profile, self.load[cases], charges, selected(self.datum), punch_datum)
+        contacts = selected(self, cases, "load", "charges", "datum", "punch_datum")
+        return replace(contacts, profile=self.profile.part(cases, self.load.shape))
 
 
 def _sum(read: Array, causes: Array) -> Array:

@@ -87,8 +87,8 @@ def extent(table: Table, loading: Loading, half_width: Array | None) -> tuple[Ar
         if half_width is None:
             half[block], centre[block] = _searched(table, part)
         else:
-            _require_within(table, half_width[block])
             half[block], centre[block] = half_width[block], 0.0
+            _require_within(table, half[block])
         _refuse_tension(table, part, half[block], centre[block])
     return half, centre
 
@@ -124,7 +124,6 @@ def _searched(table: Table, loading: Loading) -> tuple[Array, Array]:
             break
         if not np.all(np.isfinite(step)):
             raise ContactError("contact: no contact of this punch carries the load")
-    _require_within(table, np.exp(log_half))
     return np.exp(log_half), centre
 
 

@@ -135,10 +135,9 @@ def interior_fields(films: Films, x: Array, y: Array, names: tuple[str, ...]) ->
     out = np.empty((films.load.size, len(names), y.size, x.size))
     for cases, number, contact in films.parts:
         tractions = traction_window(films.kind, number).read(contact)
-        datum = np.broadcast_to(contact.datum, cases.shape)
         for block in blocks(cases.size, together):
             for rows, columns in pieces:
-                values = fields_of(tractions.part(block), x[columns], y[rows], names, datum[block])
+                values = fields_of(tractions.part(block), x[columns], y[rows], names, contact.datum[block])
                 out[cases[block], :, rows, columns] = values
     for number, name in enumerate(names):
         if name in POTENTIALS:

@@ -4,7 +4,7 @@ Channels are named by o, one of (y, phi, psi), and by x; b is the docs' beta.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.special import exp1
@@ -103,10 +103,7 @@ def octave(ends: Array, width: float) -> Array:
 
 def _resolved(stack: Stack, width: float, ends: Array, octaves: Array | None) -> Piecewise:
     """Return the channels on panels, after halving those whose series have not decayed."""
-
-    def values(x: Array) -> Array:
-        return _transforms(stack, width, x)
-
+    values = partial(_transforms, stack, width)
     channels = Piecewise.of(values, ends, DEGREE + 1, octaves)
     for _ in range(_HALVINGS):
         large = _undecayed(channels.series)

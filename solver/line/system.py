@@ -120,37 +120,31 @@ class System:
     def solve(self, basis: Basis, gradients: Array, sources: Array | None = None) -> Array:
         """Unknowns for every right side, from kernel gradients (half, 3, M, unknown); (half, unknown, right side)."""
         matrix = self._matrix(basis, gradients)
-        right = np.zeros((matrix.shape[-1], self.causes))
-        slopes = basis.nodes[:, None] ** np.array(self.powers)
-        projected = basis.projection @ slopes
-        start = self.starts(basis)
         count = len(self.powers)
-        right[max(-basis.order, 0) : basis.pressures, :count] = projected[max(basis.order, 0) :]
-        if basis.order == 1:
-            right[-1, :count] = projected[0]
+        slopes = np.zeros((1, 3, basis.terms, count))
+        slopes[0, 0] = basis.nodes[:, None] ** np.array(self.powers)
+        right = np.zeros((matrix.shape[-1], self.causes))
+        right[:, :count] = self._projected(basis, slopes)[0]
         if basis.order == -1:
             right[0, -1] = 1.0
-        c = self.coefficients
-        for f in self.fields:
-            rows = slice(start[f] + 1, start[f] + 1 + basis.terms)
-            right[rows, :count] = -c.friction_screening[f] / c.kap * (basis.charge_projection @ slopes)
-            right[start[f], count + f] = -1.0
+        for f, start in self.starts(basis).items():
+            right[start, count + f] = -1.0
         right_sides = np.broadcast_to(right, (*matrix.shape[:-1], self.causes))
-        if sources is not None:
-            right_sides = np.concatenate([right_sides, self._source_sides(basis, sources)], -1)
+        if sources is not None:  # gradients to cancel
+            right_sides = np.concatenate([right_sides, -self._projected(basis, sources)], -1)
         return np.asarray(np.linalg.solve(matrix, right_sides), dtype=np.float64)
 
-    def _source_sides(self, basis: Basis, sources: Array) -> Array:
-        """Right sides that cancel given gradients of (u_y, phi, psi), (half, 3, M, source); (half, unknown, source)."""
-        pressed, charged = self.eliminated(sources)
+    def _projected(self, basis: Basis, gradients: Array) -> Array:
+        """Projections of gradients of (u_y, phi, psi), (half, 3, M, c), in the rows of F4.3; (half, unknown, c)."""
+        pressed, charged = self.eliminated(gradients)
         projected, series = basis.projection @ pressed, basis.charge_projection @ charged
-        right = np.zeros((sources.shape[0], self.unknowns(basis), sources.shape[-1]))
-        right[:, max(-basis.order, 0) : basis.pressures] = -projected[:, max(basis.order, 0) :]
+        rows = np.zeros((gradients.shape[0], self.unknowns(basis), gradients.shape[-1]))
+        rows[:, max(-basis.order, 0) : basis.pressures] = projected[:, max(basis.order, 0) :]
         if basis.order == 1:
-            right[:, -1] = -projected[:, 0]
+            rows[:, -1] = projected[:, 0]
         for j, start in enumerate(self.starts(basis).values()):
-            right[:, start + 1 : start + 1 + basis.terms] = -series[:, j]
-        return right
+            rows[:, start + 1 : start + 1 + basis.terms] = series[:, j]
+        return rows
 
     def starts(self, basis: Basis) -> dict[int, int]:
         """Index of the first unknown of each conducted field."""
@@ -176,26 +170,18 @@ class System:
 
     def _matrix(self, basis: Basis, gradients: Array) -> Array:
         """Matrix of the system F4.3; (half, unknown, unknown)."""
-        c, start, h = self.coefficients, self.starts(basis), gradients.shape[0]
-        pressed, charged = self.eliminated(gradients)
-        projected, series = basis.projection @ pressed, basis.charge_projection @ charged
-        matrix = np.zeros((h, self.unknowns(basis), self.unknowns(basis)))
-        first, offset = max(-basis.order, 0), max(basis.order, 0)
-        matrix[:, first : basis.pressures] = projected[:, offset:]
-        diagonal = np.arange(first, basis.pressures)
+        c, matrix = self.coefficients, self._projected(basis, gradients)
+        diagonal = np.arange(max(-basis.order, 0), basis.pressures)
         matrix[:, diagonal, diagonal] -= c.lam * basis.gain
         if basis.order == 1:
-            matrix[:, -1] = projected[:, 0]
             matrix[:, -1, -1] = -1.0
         if basis.order == -1:
             matrix[:, 0, 0] = -basis.total
-        for j, f in enumerate(self.fields):
-            ratio = c.friction_screening[f] / c.kap
-            rows = np.arange(start[f] + 1, start[f] + 1 + basis.terms)
-            matrix[:, rows] = series[:, j]
+        for f, start in self.starts(basis).items():
+            rows = np.arange(start + 1, start + 1 + basis.terms)
             matrix[:, rows, rows] += 1.0
             if basis.order == 1:
-                matrix[:, rows[0], -1] += ratio
-            matrix[:, start[f], start[f]] = np.pi
-            matrix[:, start[f], 0] = c.follower[f] * basis.total
+                matrix[:, rows[0], -1] += c.friction_screening[f] / c.kap
+            matrix[:, start, start] = np.pi
+            matrix[:, start, 0] = c.follower[f] * basis.total
         return matrix

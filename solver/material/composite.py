@@ -58,7 +58,7 @@ def fibrous(fibre: Material, matrix: Material, fraction: ArrayLike) -> Material:
     >>> half.shape, bool(half.c33[0] == solver.find("CoFe2O4").c33), f"{half.g11[1]:.3g}"
     ((2,), True, '-5.23e-12')
     """
-    v = _fraction(fraction)
+    v = _fraction("volume_fraction", fraction)
     for phase in (fibre, matrix):
         phase.check()
         if np.any(np.isnan(phase.c12)):
@@ -115,7 +115,7 @@ def laminate(first: Material, second: Material, fraction: ArrayLike) -> Material
     >>> f"{float(half.c33):.4g}"
     '2.234e+11'
     """
-    v = _fraction(fraction)
+    v = _fraction("volume_fraction", fraction)
     for phase in (first, second):
         phase.check()
     scales = outer(_scale(first, second))
@@ -181,10 +181,7 @@ def aluminium_scandium_nitride(scandium_fraction: ArrayLike) -> Material:
     >>> f"{film.c33 / 1e9:.1f} GPa, {film.e33:.3f} C/m2"
     '241.1 GPa, 2.238 C/m2'
     """
-    x, allowed = np.asarray(unmasked(scandium_fraction), dtype=np.float64), FACTORS["scandium_fraction"]
-    bad = x[~((x >= allowed.low) & (x <= allowed.high))]
-    if bad.size:
-        raise MaterialError(f"scandium_fraction: {bad.flat[0]:g} is not within {allowed.low:g} to {allowed.high:g}")
+    x = _fraction("scandium_fraction", scandium_fraction)
 
     def bowed(name: str) -> Array:
         nitride, scandium, bowing = _BOWED[name]
@@ -215,13 +212,13 @@ def _of_blocks(h: Array, T: Array, G: Array) -> dict[str, Any]:
     return constants
 
 
-def _fraction(fraction: ArrayLike) -> Array:
-    """Return a volume fraction as an array, or refuse values outside 0 to 1."""
-    v = np.asarray(unmasked(fraction), dtype=np.float64)
-    bad = v[~((v >= 0) & (v <= 1))]
+def _fraction(factor: str, values: ArrayLike) -> Array:
+    """Return values of a factor as an array, or refuse those outside its bounds."""
+    fractions, allowed = np.asarray(unmasked(values), dtype=np.float64), FACTORS[factor]
+    bad = fractions[~((fractions >= allowed.low) & (fractions <= allowed.high))]
     if bad.size:
-        raise MaterialError(f"volume_fraction: {bad.flat[0]:g} is not within 0 to 1")
-    return v
+        raise MaterialError(f"{factor}: {bad.flat[0]:g} is not within {allowed.low:g} to {allowed.high:g}")
+    return fractions
 
 
 def _scale(*phases: Material) -> Array:
@@ -250,11 +247,9 @@ def _thermal(composite: Material, phases: tuple[Material, Material], v: float, p
     """Thermal constants of a composite that its phases have; ``parallel``: heat flows through them side by side."""
     first, second = ({name: known.value for name, known in phase.thermal.items()} for phase in phases)
     values: dict[str, float] = {}
-    if (name := "heat_capacity") in first and name in second:
-        values[name] = v * first[name] + (1 - v) * second[name]
-    if (name := "conductivity") in first and name in second:
-        power = 1 if parallel else -1
-        values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
+    for name, power in (("heat_capacity", 1), ("conductivity", 1 if parallel else -1)):
+        if name in first and name in second:
+            values[name] = (v * first[name] ** power + (1 - v) * second[name] ** power) ** power
     loads = [_thermal_load(phase, known) for phase, known in zip(phases, (first, second), strict=True)]
     matrix_1, matrix_2, matrix = (_axial(body) for body in (*phases, composite))
     if loads[0] is not None and loads[1] is not None and np.linalg.matrix_rank(matrix_1 - matrix_2) == len(matrix):

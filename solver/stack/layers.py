@@ -69,9 +69,13 @@ class Layer:
         electric: str | None = None,
         magnetic: str | None = None,
     ) -> None:
+        try:
+            metres = in_si(thickness, "m") if isinstance(thickness, str) else thickness
+        except ValueError as error:
+            raise StackError(f"thickness: {error}") from None
         values = {
             "material": find(material) if isinstance(material, str) else material,
-            "thickness": _metres(thickness) if isinstance(thickness, str) else thickness,
+            "thickness": metres,
             "electric": electric,
             "magnetic": magnetic,
         }
@@ -126,7 +130,10 @@ class Stack:
         if not self.layers:
             raise StackError("layers: none; a stack has at least one layer")
         if isinstance(self.base, str) and self.base != RIGID:
-            object.__setattr__(self, "base", _base(self.base))
+            try:
+                object.__setattr__(self, "base", find(self.base))
+            except MaterialError as error:
+                raise StackError(f"base: {error}") from None
         if not isinstance(self.base, str):
             _require_single(self.base, "base")
         *upper, lowest = self.layers
@@ -229,22 +236,6 @@ class Stack:
             vacuum = np.array(VACUUM_PERMEABILITY)  # no flux gets there: its permeability must not change any bit
             base = replace(base, mu11=vacuum, mu33=vacuum)
         return Medium(base, self.scale)
-
-
-def _metres(thickness: str) -> float:
-    """Return a thickness with its unit in metres."""
-    try:
-        return in_si(thickness, "m")
-    except ValueError as error:
-        raise StackError(f"thickness: {error}") from None
-
-
-def _base(name: str) -> Material:
-    """Return the material of a base by its name."""
-    try:
-        return find(name)
-    except MaterialError as error:
-        raise StackError(f"base: {error}") from None
 
 
 def _require_single(material: object, name: str) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.arrays import Array, ComplexArray
+from solver.arrays import Array, ComplexArray, Points
 from solver.stack.fourier import FLIP, MIRROR, Medium
 from solver.stack.layers import Stack
 
@@ -92,8 +92,8 @@ def _quotient(displacement: Array, traction: Array) -> Array:
     return np.asarray(Y + Y.mT) / 2
 
 
-def held(Y: Array, components: tuple[int, ...]) -> Array:
-    """Y (..., 4, 4) of a body under an interface that holds components of u at zero (films, F2.1)."""
+def held(Y: Points, components: tuple[int, ...]) -> Points:
+    """Y (..., m, m) of a body under an interface that holds components of u at zero (films, F2.1)."""
     for c in components:
         pivot = Y[..., c, c]
         share = Y[..., :, c] / np.where(pivot == 0, 1.0, pivot)[..., None]

@@ -1,6 +1,5 @@
 """Contact of a punch with a surface in space: window, refinement to an error, and the contact's fields and loads."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import cached_property
@@ -9,16 +8,16 @@ from typing import TypeVar
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from solver.arrays import Array, BoolArray, is_finite
-from solver.material.constants import VACUUM_PERMITTIVITY
+from solver.arrays import Array, BoolArray
+from solver.material.constants import VACUUM_PERMITTIVITY, Material
 from solver.surface.newton import NO_COUPLING, Grid, Linearised, Loading, State, System, converged
-from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
+from solver.surface.response import NORMAL, SurfaceBody, SurfaceError
 from solver.surface.shape import Map, RoughSphere, Shape
 
 Field = TypeVar("Field", Array, BoolArray)
 
 _COARSE = 32  # cells a side of the first grid
-_FINEST = 1024  # cells a side that may be asked for
+_FINEST = 1024  # largest number of cells a side
 _REFINED = 256  # cells a side where refinement ends, with the error that is reached
 _MOST_CELLS = 2**20  # 1 GB of spectra and Krylov vectors
 _LEAST_DEPTH = 1e-13  # m, a thousandth of an atom
@@ -35,14 +34,9 @@ _SECANT = 0.16  # change of the load's logarithm for the stiffness: a twentieth 
 # like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower, and so do
 # those of the pressure on the highest hill of a rough punch or of a map
 _SHARE_LEFT = {
-    "force": 1.8,
-    "depth": 1.8,
-    "pressure": 1.8,
+    **dict.fromkeys(("force", "depth", "pressure"), 1.8),
     "hill pressure": 1.4,
-    "charge": 0.7,
-    "voltage": 0.7,
-    "stroke": 0.7,
-    "capacitance": 0.7,
+    **dict.fromkeys(("charge", "voltage", "stroke", "capacitance"), 0.7),
 }
 _SLOPED, _ROUGH = 64, 1e-2  # cells of slopes over the load, unless an error as large as this is allowed
 _FALL = 4.0  # largest ratio of the errors of two grids that is believed: a smaller difference may be luck
@@ -51,6 +45,7 @@ _FALL = 4.0  # largest ratio of the errors of two grids that is believed: a smal
 _LEAST_COUPLED = {"charge": 0.01, "stroke": 0.01, "voltage": 0.05}
 _PER_WAVE = 4  # cells along the shortest wave of a rough punch
 _LEAST_SPACINGS = 4  # points of a height map across a contact
+_MOST_FRICTION = 2.0
 
 
 class Slopes(IntEnum):
@@ -137,10 +132,8 @@ def solve_contact(
 
     The grid is refined until the estimated error is below ``error``; ``cells`` a side fixes the grid.
     """
-    _check({
-        "force": force, "depth": depth, "voltage": voltage, "charge": charge, "friction": friction,
-        "direction": direction, "air": air, "error": error, "cells": cells,
-    })  # fmt: skip
+    if friction > _MOST_FRICTION:
+        raise SurfaceError(f"friction: {friction!r} is not allowed; a finite number from 0 to {_MOST_FRICTION:g}")
     if air is None and not body.isotropic:
         raise SurfaceError("surroundings: insulated is allowed for bodies isotropic about the normal only; air")
     permittivity = None if air is None else air * VACUUM_PERMITTIVITY
@@ -149,42 +142,9 @@ def solve_contact(
     return problem.refined(error, cells, slopes)
 
 
-_RULES: dict[str, tuple[str, float, float]] = {  # allowed values, and their open ends
-    "force": ("> 0 [N]", 0.0, np.inf),
-    "depth": ("> 0 [m]", 0.0, np.inf),
-    "voltage": ("[V]", -np.inf, np.inf),
-    "charge": ("[C]", -np.inf, np.inf),
-    "friction": ("from 0 to 2", -1e-300, np.nextafter(2.0, 3.0)),
-    "direction": ("[rad]", -np.inf, np.inf),
-    "air": ("> 0: the relative permittivity", 0.0, np.inf),
-    "error": ("from 1e-6 to 0.1", 0.99e-6, 0.101),
-    "cells": (f"from 16 to {_FINEST}", 15.0, _FINEST + 1.0),
-}
-
-
-def _check(values: Mapping[str, float | None]) -> None:
-    for name, (allowed, low, high) in _RULES.items():
-        value = values[name]
-        if value is not None and not (is_finite(value) and low < float(value) < high):
-            raise SurfaceError(f"{name}: {value!r} is not allowed; a finite number {allowed}")
-    if (values["force"] is None) == (values["depth"] is None):
-        raise SurfaceError("force, depth: exactly one of them is needed")
-
-
 def isotropic_half_space(modulus: float, poisson: float) -> SurfaceBody:
     """Half-space of an isotropic dielectric [Pa, 1]."""
-    if not (is_finite(modulus) and modulus > 0 and is_finite(poisson) and -1 < poisson < 0.5):
-        raise SurfaceError(f"punch: modulus {modulus!r}, poisson {poisson!r}; a modulus > 0 and -1 < poisson < 0.5")
-    shear = modulus / 2 / (1 + poisson)
-    lame = 2 * shear * poisson / (1 - 2 * poisson)
-    one = np.eye(3)
-    E = np.zeros((3, 4, 4, 3))
-    E[:, :3, :3] = (
-        lame * np.einsum("ij,kl->ijkl", one, one)
-        + shear * (np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one))
-    )  # fmt: skip
-    E[:, PHI, PHI] = -VACUUM_PERMITTIVITY * one
-    return SurfaceBody((), E)
+    return SurfaceBody((), Material.isotropic(modulus, poisson, any_size=True).stiffness_tensor())
 
 
 @dataclass(frozen=True)
@@ -286,9 +246,9 @@ class _Problem:
 
     def _located(self, error: float) -> tuple[_Window, State, Grid]:
         """Window that the contact fills well, with the contact on a coarse grid."""
-        window, grid, state = self._first_window(), None, None
+        window = self._first_window()
+        grid, state = self._moved(None, None, window, _COARSE)
         for _ in range(_WINDOWS):
-            grid, state = self._moved(grid, state, window, _COARSE)
             system = System(self.body, self.punch, self.shape, grid, self.grounded, state.depth, levels=0)
             state, _ = converged(system, state, max(error, 1e-3))
             low, high, touches = self._extent(grid, state)
@@ -304,10 +264,9 @@ class _Problem:
             middle, half = np.add(high, low) / 2, lengths / 2
             half = np.where(touches, 2 * half, np.maximum(half, 1.5 * np.array(grid.size)))
             window = self._around(middle, half)
+            grid, state = self._moved(grid, state, window, _COARSE)
         else:
             raise SurfaceError("contact: leaves every window that was tried")
-        assert grid is not None
-        assert state is not None
         self._require_resolved(low, high)
         if not np.any(touches):
             window = self._around(np.add(high, low) / 2, lengths / 2)

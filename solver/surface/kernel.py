@@ -8,7 +8,6 @@ so that its integral over a cell is one over the cell's edges; it scales with th
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from math import factorial
 
 import numpy as np
@@ -20,6 +19,7 @@ from scipy.special import j0, j1, jv
 from approximation.arrays import Indices
 from solver.arrays import Array, BoolArray, ComplexArray
 from solver.cache import cached
+from solver.stack.wavenumbers import on_panels
 from solver.surface.response import NORMAL, PHI, SurfaceBody, SurfaceError
 
 #: Component pairs (displacement, traction) of contacts without friction, and those that friction adds.
@@ -32,8 +32,6 @@ _NEAR = 8  # cells around the loaded one that take the fine rules
 _EDGE_NODES, _FAR_EDGE_NODES = 24, 3  # of an edge, in asinh of its position
 _ANGLES = 512  # of the table of H
 _DECAYED = 36.0  # exponent at the largest wavenumber: e^-36 is below rounding
-_PHASE = 40.0  # of a panel in k at the largest distance
-_PANEL_NODES = 20
 _SPACING = 0.05  # of the table of D, in asinh(r / (2 decay h))
 _WIDEST = 400.0  # largest distance over the thickness of the top layer
 _ROUNDING = 1e-13  # share of the largest harmonic of the direction that is rounding
@@ -220,15 +218,7 @@ def _wavenumbers(body: SurfaceBody, reach: float, end: float) -> tuple[Array, Ar
     while ends[-1] < end:
         ends.append(ends[-1] * 2.0)
     ends[-1] = end
-    nodes, weights = np.polynomial.legendre.leggauss(_PANEL_NODES)
-    k, w = [], []
-    for start, stop in pairwise(ends):
-        parts = int(np.ceil((stop - start) * reach / _PHASE)) or 1
-        half = (stop - start) / parts / 2
-        middles = start + half * (2 * np.arange(parts) + 1)
-        k.append((middles[:, None] + half * nodes).ravel())
-        w.append(np.tile(half * weights, parts))
-    return np.concatenate(k), np.concatenate(w)
+    return on_panels(np.array(ends), np.full(len(ends) - 1, reach))
 
 
 def _bessel(highest: int, x: Array) -> Iterator[tuple[int, Array]]:
@@ -379,14 +369,9 @@ def _spectrum(cells: Array, pair: tuple[int, int]) -> Array | ComplexArray:
 
 def _wrapped(cells: Array, shape: tuple[int, int], padded: tuple[int, int]) -> Array:
     """Influence at offsets -(n - 1)..n - 1 in the order of a periodic grid; (padded)."""
-    (nx, ny), result = shape, np.zeros(padded)
-    rows, columns = _offsets(nx), _offsets(ny)
-    result[np.ix_(rows, columns)] = cells[np.ix_(rows + nx, columns + ny)]
+    result = np.zeros(padded)
+    result[np.ix_(*(np.arange(-(n - 1), n) for n in shape))] = cells[1:-1, 1:-1]
     return result
-
-
-def _offsets(n: int) -> Indices:
-    return np.arange(-(n - 1), n)
 
 
 def _nearest_periodic(cells: Array, shape: tuple[int, int]) -> Array:

@@ -179,7 +179,7 @@ class System:
         """Capacitance of the gap beyond the outermost level [F]; none of a gap without end."""
         if not np.isfinite(self.loading.end) or self.loading.permittivity is None:
             return 0.0
-        half = np.array([grid.x[-1] - grid.x[0] + grid.size[0], grid.y[-1] - grid.y[0] + grid.size[1]]) / 2
+        half = np.array(_lengths(grid)) / 2
         middle = (grid.x[0] + grid.x[-1]) / 2, (grid.y[0] + grid.y[-1]) / 2
         angle = 2 * np.pi * (np.arange(_RAYS) + 0.5) / _RAYS
         start = np.minimum(half[0] / np.abs(np.cos(angle)), half[1] / np.abs(np.sin(angle)))
@@ -397,7 +397,7 @@ def _linear(coarse: Array, fine: Array) -> Array:
 class Linearised:
     """Newton's linear system about a state: rows of the gap, of the potential and of what is prescribed."""
 
-    def __init__(self, system: System, state: State, *, cut: bool = False) -> None:
+    def __init__(self, system: System, state: State) -> None:
         self.system, self.state = system, state
         self.depression, self.minus_phi = system.apply(state.pressure, state.charge)
         self.gap = np.where(system.finite, system.height - state.depth + self.depression, np.inf)
@@ -609,13 +609,11 @@ def gmres(
 
 def converged(system: System, state: State, tolerance: float) -> tuple[State, Linearised]:
     """Contact from a start, to a residual over the depth, by Newton's iteration on the cells in contact."""
-    cells = system.height.size
-    charge = state.charge if state.charge.size == cells else state.charge[: system.fine]
-    pressed = np.zeros(cells, dtype=np.bool_)
-    pressed[: system.fine] = state.pressed[: system.fine]
-    pressure, charges = np.zeros(cells), np.zeros(cells)
-    pressure[: system.fine], charges[: charge.size] = state.pressure[: system.fine], charge
-    state = replace(state, pressure=pressure, charge=charges, pressed=pressed)
+    cells, fine = system.height.size, system.fine
+    coarser = (0, cells - fine)
+    pressure, pressed = np.pad(state.pressure[:fine], coarser), np.pad(state.pressed[:fine], coarser)
+    charge = state.charge if state.charge.size == cells else np.pad(state.charge[:fine], coarser)
+    state = replace(state, pressure=pressure, charge=charge, pressed=pressed)
     if system.loading.depth is not None:
         state = replace(state, depth=system.loading.depth)
     if system.loading.charge is None:
@@ -627,7 +625,7 @@ def converged(system: System, state: State, tolerance: float) -> tuple[State, Li
         pressed = np.where(state.pressed, (state.pressure > 0) | (entries >= _ENTRIES), linear.gap < 0)
         if not np.any(pressed):
             pressed = linear.gap <= np.min(linear.gap)
-        pressed[system.fine :] = False
+        pressed[fine:] = False
         if step >= _FREE and linear.error < _NEARLY:
             pressed = state.pressed
         settled = np.array_equal(pressed, state.pressed)

@@ -14,6 +14,7 @@ import numpy as np
 
 from solver.arrays import Array, ComplexArray, outer
 from solver.material.constants import MaterialError
+from solver.stack.reflection import held
 
 NORMAL, PHI = 2, 3  # indices of (u_z, s_zz) and of (phi, D_z)
 _PERTURBATION = 1e-5  # of the stiffness where roots coincide; the mean over both signs is exact to its square
@@ -47,11 +48,6 @@ class SurfaceBody:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "layers", tuple(self.layers))
-        if not self.layers and self.base is None:
-            raise SurfaceError("body: neither layers nor a base; a surface needs one of them")
-        for layer in self.layers:
-            if not (np.isfinite(layer.thickness) and layer.thickness > 0):
-                raise SurfaceError(f"thickness: {layer.thickness!r} is not allowed; a finite number > 0 [m]")
 
     @cached_property
     def _key(self) -> tuple[object, ...]:
@@ -130,7 +126,7 @@ class SurfaceBody:
     def response(self, k: Array, theta: Array) -> tuple[ComplexArray, ComplexArray]:
         """Multiplier Y0 of the top's half-space, (theta, m, m), and Y - Y0, (k, theta, m, m)."""
         k, theta = np.asarray(k, dtype=np.float64), np.asarray(theta, dtype=np.float64)
-        units = self.scale[:, None] * self.scale
+        units = outer(self.scale)
         responses = [self._response(stiffnesses, k, theta) for stiffnesses in self._scaled]
         half, added = (sum(parts) / len(responses) * units for parts in zip(*responses, strict=True))
         return np.asarray(half), np.asarray(added)
@@ -159,7 +155,7 @@ class SurfaceBody:
         half, added, conducts = below[0], np.zeros_like(below), self.base_conductor
         for layer, E in reversed(list(zip(self.layers, stiffnesses, strict=False))):
             if (layer.grounded or layer.conductor or conducts) and np.any(below):
-                below = _grounded(below)
+                below = held(below, (PHI,))  # layers on a rigid base seen from afar are held already
             A, B, p = _modes(E, theta)
             down, up = (A[..., :m], B[..., :m], p[..., :m]), (A[..., m:], B[..., m:], p[..., m:])
             inverse = np.linalg.inv(down[1])
@@ -192,15 +188,6 @@ def _modes(E: Array, theta: Array) -> tuple[ComplexArray, ComplexArray, ComplexA
     roots = np.take_along_axis(roots, order, -1).astype(np.complex128)
     vectors = np.take_along_axis(vectors, order[..., None, :], -1)
     return vectors[..., :m, :], vectors[..., m:, :], roots
-
-
-def _grounded(Y: ComplexArray) -> ComplexArray:
-    """Multiplier of a body whose surface is held at phi = 0; (..., m, m)."""
-    held = Y[..., PHI, PHI, None, None]
-    # layers on a rigid base seen from afar are held already
-    Y = Y - Y[..., :, PHI, None] * Y[..., None, PHI, :] / np.where(held == 0, 1.0, held)
-    Y[..., PHI, :] = Y[..., :, PHI] = 0.0
-    return Y
 
 
 def _is_isotropic(E: Array) -> bool:

@@ -1,9 +1,10 @@
 """Shapes of punches: height of the undeformed punch above its lowest point."""
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,16 +26,15 @@ _SMOOTH = 1e4  # height over the roughness beyond which waves change no charge: 
 class Shape:
     """A punch above its lowest point."""
 
-    def __post_init__(self) -> None:
-        for name, allows_infinite, least in self.limits:
-            value = getattr(self, name)
-            if not ((is_finite(value) or (allows_infinite and value == np.inf)) and value > least):
-                raise SurfaceError(f"{name}: {value!r} is not allowed; a finite number > {least:g}")
+    #: Bound that each parameter exceeds.
+    exceeds: ClassVar[Mapping[str, float]] = {}
 
-    @property
-    def limits(self) -> Sequence[tuple[str, bool, float]]:
-        """Name of each parameter, whether it may be infinite, and the bound that the parameter exceeds."""
-        return ()
+    def __post_init__(self) -> None:
+        for name, least in self.exceeds.items():
+            value = getattr(self, name)
+            may_be_infinite = getattr(type(self), name, 0.0) == np.inf  # by default
+            if not ((is_finite(value) or (may_be_infinite and value == np.inf)) and value > least):
+                raise SurfaceError(f"{name}: {value!r} is not allowed; a finite number > {least:g}")
 
     @abstractmethod
     def gap(self, x: Array, y: Array) -> Array:
@@ -75,11 +75,6 @@ class Shape:
             height[rows, columns] = mean
         return height, cover
 
-    @property
-    def sharp(self) -> bool:
-        """True if the contact ends at an edge of the punch, where the pressure is infinite."""
-        return False
-
 
 @dataclass(frozen=True, eq=False)
 class Ellipsoid(Shape):
@@ -87,11 +82,7 @@ class Ellipsoid(Shape):
 
     radius_x: float  # [m]
     radius_y: float  # [m]
-
-    @property
-    @override
-    def limits(self) -> Sequence[tuple[str, bool, float]]:
-        return ("radius_x", False, 0.0), ("radius_y", False, 0.0)
+    exceeds: ClassVar[Mapping[str, float]] = {"radius_x": 0.0, "radius_y": 0.0}
 
     @override
     def gap(self, x: Array, y: Array) -> Array:
@@ -100,8 +91,6 @@ class Ellipsoid(Shape):
 
 def sphere(radius: float) -> Ellipsoid:
     """Return the paraboloid of a sphere."""
-    if not (is_finite(radius) and float(radius) > 0):
-        raise SurfaceError(f"radius: {radius!r} is not allowed; a finite number > 0 [m]")
     return Ellipsoid(radius, radius)
 
 
@@ -118,6 +107,9 @@ class RoughSphere(Shape):
     longest_wavelength: float  # [m]
     shortest_wavelength: float  # [m]
     realisation: float = 0  # Whole number of the random surface
+    exceeds: ClassVar[Mapping[str, float]] = dict.fromkeys(
+        ("radius", "roughness", "longest_wavelength", "shortest_wavelength"), 0.0
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -128,16 +120,6 @@ class RoughSphere(Shape):
                 f"shortest_wavelength: {self.shortest_wavelength:g} m is not allowed; at most the longest, "
                 f"{self.longest_wavelength:g} m"
             )
-
-    @property
-    @override
-    def limits(self) -> Sequence[tuple[str, bool, float]]:
-        return (
-            ("radius", False, 0.0),
-            ("roughness", False, 0.0),
-            ("longest_wavelength", False, 0.0),
-            ("shortest_wavelength", False, 0.0),
-        )
 
     @cached_property
     def _waves(self) -> tuple[Array, Array, Array]:
@@ -173,11 +155,7 @@ class Cone(Shape):
     """Cone."""
 
     slope: float  # Rise over distance [1]
-
-    @property
-    @override
-    def limits(self) -> Sequence[tuple[str, bool, float]]:
-        return (("slope", False, 0.0),)
+    exceeds: ClassVar[Mapping[str, float]] = {"slope": 0.0}
 
     @override
     def gap(self, x: Array, y: Array) -> Array:
@@ -189,11 +167,7 @@ class Disc(Shape):
     """Flat circular punch."""
 
     radius: float  # [m]
-
-    @property
-    @override
-    def limits(self) -> Sequence[tuple[str, bool, float]]:
-        return (("radius", False, 0.0),)
+    exceeds: ClassVar[Mapping[str, float]] = {"radius": 0.0}
 
     @override
     def gap(self, x: Array, y: Array) -> Array:
@@ -204,11 +178,6 @@ class Disc(Shape):
     def half_extent(self) -> tuple[float, float]:
         return self.radius, self.radius
 
-    @property
-    @override
-    def sharp(self) -> bool:
-        return True
-
 
 @dataclass(frozen=True, eq=False)
 class Roller(Shape):
@@ -218,11 +187,7 @@ class Roller(Shape):
     length: float  # [m]
     crown_radius: float = np.inf  # Radius of curvature along the axis [m]
     tilt: float = 0.0  # Slope of the axis [rad]
-
-    @property
-    @override
-    def limits(self) -> Sequence[tuple[str, bool, float]]:
-        return ("radius", False, 0.0), ("length", False, 0.0), ("crown_radius", True, 0.0), ("tilt", False, -1.0)
+    exceeds: ClassVar[Mapping[str, float]] = {"radius": 0.0, "length": 0.0, "crown_radius": 0.0, "tilt": -1.0}
 
     @override
     def gap(self, x: Array, y: Array) -> Array:
@@ -243,11 +208,6 @@ class Roller(Shape):
     @override
     def half_extent(self) -> tuple[float, float]:
         return np.inf, self.length / 2
-
-    @property
-    @override
-    def sharp(self) -> bool:
-        return True
 
 
 @dataclass(frozen=True, eq=False)

@@ -189,12 +189,10 @@ def edit(file: netCDF4.Dataset, dice: random.Random) -> None:
 
 
 def test_a_valid_file_of_each_kind_is_accepted(place: Path) -> None:
-    (place / "cases.csv").write_text(hostile.CASES, encoding="utf-8")
-    (place / "mine.yaml").write_text(hostile.MATERIAL, encoding="utf-8")
+    for valid, file, words in TEXTS.values():
+        (place / file).write_text(valid, encoding="utf-8")
+        assert run(place, *words) == 0
     (place / "config/tiny.yaml").write_text(hostile.STUDY, encoding="utf-8")
-    assert run(place, "solve", "cases.csv", "-o", "out.nc") == 0
-    assert run(place, "material", "mine.yaml") == 0
-    assert run(place, "query", "surrogate.nc", "points.csv", "-o", "out.csv") == 0
     assert studies.named("tiny").cases == 320
 
 

@@ -12,6 +12,8 @@ import pytest
 import xarray as xr
 
 from surrogate import FactorialRegressor, GridGP, Group, GroupedGP, Input, Scaling, ScatterGP
+from surrogate.gp import imputation
+from surrogate.gp.factors import Factor
 from surrogate.levels.counts import choose, decays
 from surrogate.use.inversion import Inversion
 from tests.refusals import assert_refused
@@ -140,6 +142,9 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: inversion(("a", "b"), "w", c=0.0), "'w' is not an output"),
     *((lambda value=value, error=error: read(value, error), "must be finite, their errors within 1e-150 to 1e+150")
       for value, error in ((1.0, 1e308), (1.0, 0.0), (np.inf, 1.0), (1.0, np.nan))),
+    # holes of a factorial
+    (lambda: imputation.expected([Factor(60, 0.3)] * 2, np.zeros((60, 60, 1)), np.add.outer(*[np.arange(60)] * 2) > 55),
+     "places of the factors ... at most 2000 are filled in"),
     # numbers of levels
     *((lambda tolerance=tolerance, budget=budget: levels(tolerance, budget), "must be positive")
       for tolerance, budget in ((0.0, 10), (float("nan"), 10), (1e-3, 0))),

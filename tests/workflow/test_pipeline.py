@@ -75,20 +75,6 @@ def test_validation_and_calibration_are_on_cases_of_their_own(ran: Project) -> N
     assert float(np.abs(data["raw_coverage"] - data["coverage"]).max()) > 0.02
 
 
-def test_a_design_is_solved_again_exactly(ran: Project) -> None:
-    data = read_whole(ran.folder / "results/small/design.nc").sel(target="sensor")
-    values = {str(name): float(data["value"].sel(factor=name)) for name in data["factor"].values}
-    friction = np.linspace(0.1, 0.4, 301)
-    exact = solve({**values, "friction": friction, "composite": "fibrous"})
-    worst = float(abs(exact["voltage_per_load"]).min())
-    assert float(data["exact"].sel(term="abs(voltage_per_load)")) == pytest.approx(worst, rel=1e-9)
-    assert float(exact["trailing_tension"].max()) <= 50e6
-    assert str(data["status"].values).startswith("feasible; binding: trailing_tension <= 50 MPa")
-    page = (ran.folder / REPORT).read_text(encoding="utf-8")
-    polish = read_whole(ran.folder / "results/small/design/sensor.nc").attrs["polish"]
-    assert f"Polish: {polish}." in page
-
-
 def test_the_provenance_of_the_run_has_every_file_with_its_hash(ran: Project) -> None:
     results = ran.folder / "results/small"
     content = json.loads((results / "provenance.json").read_text(encoding="utf-8"))

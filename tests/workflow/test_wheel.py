@@ -46,7 +46,8 @@ def test_the_installed_program_runs_a_study_from_anywhere(copy: Copy, tmp_path: 
     installed = Project(work, modules=site)
     done = installed.run("meecontact", "run", "quickstar", check=False)
     assert done.returncode == 2
-    assert "has no config/*.yaml" in done.stderr
+    assert f"study: 'quickstar' is unknown: {work} has no config/*.yaml; go to a folder that has one" in done.stderr
+    assert done.stderr.count("\n") == 1
     assert "did you mean 'quickstart'?" in done.stderr
     assert not list(work.iterdir())
     done = installed.run("meecontact", "run", "quickstart", "-n")

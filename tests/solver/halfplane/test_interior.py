@@ -109,26 +109,13 @@ BOTH = ("electric", "magnetic")
 POTENTIALS = [f"{field}_potential" for field in BOTH]
 
 
-@pytest.mark.parametrize(
-    ("case", "path"),
-    [
-        ({"volume_fraction": 0.5, "radius": 0.05, "friction": 0.3, "charge": 1e-6, "magnetic_charge": -1e-3},
-         ((0.2, -0.4), (1.7, -0.05))),
-        ({"volume_fraction": 0.3, "profile": "flat", "width": 0.01, "friction": 0.5, "charge": 2e-6, "datum": 3.0},
-         ((-1.4, -0.3), (-30.0, -8.0))),
-        ({"material": "PZT-4", "radius": 0.1, "friction": 0.6, "electric": "insulating", "speed": 900.0},
-         ((0.1, -5.0), (4.0, 0.0))),
-    ],
-    ids=["cylinder", "flat", "moving"],
-)  # fmt: skip
-def test_differences_of_potentials_are_line_integrals_of_the_fields(
-    case: dict[str, Any], path: tuple[tuple[float, float], tuple[float, float]]
-) -> None:
-    case = case | {"load": 1e5}
+def test_differences_of_potentials_of_a_moving_punch_are_line_integrals_of_the_fields() -> None:
+    """At rest they are those inside films on their own material, whose gradients are the fields."""
+    case = {"material": "PZT-4", "radius": 0.1, "load": 1e5, "friction": 0.6, "electric": "insulating", "speed": 900.0}
     response = solver.solve(case)
     half_width = float(response["contact_trailing"] + response["contact_leading"]) / 2
     t, weights = np.polynomial.legendre.leggauss(200)
-    (x0, y0), (x1, y1) = path
+    (x0, y0), (x1, y1) = path = ((0.1, -5.0), (4.0, 0.0))
     x, y = (x0 + x1) / 2 + t * (x1 - x0) / 2, (y0 + y1) / 2 + t * (y1 - y0) / 2
     across = solver.solve_interior(case, x, [y0], fields=[f"{field}_field_x" for field in BOTH])
     down = solver.solve_interior(case, [x1], y, fields=[f"{field}_field_y" for field in BOTH])

@@ -1,6 +1,5 @@
 """Every profile against Gauss-Jacobi collocation, tangents against differences, and what is refused."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -98,17 +97,8 @@ _WEIGHT = (_STEPS[1] - _STEPS[0]) * np.pi * np.cosh(_STEPS) * _ANGLE * (1 - _SHA
 _INSIDE = np.array([-0.93, -0.41, 0.07, 0.55, 0.9])
 
 
-@dataclass(frozen=True)
-class Tractions:
+def tractions(case: dict[str, Any]) -> tuple[Array, Array, Array]:
     """Tractions (sigma_xy, sigma_yy, D_y, B_y) at ``_INSIDE``, their Hilbert transforms there, and x."""
-
-    values: Array
-    transforms: Array
-    x: Array
-
-
-def tractions(case: dict[str, Any]) -> Tractions:
-    """Tractions of a case; the singularity is taken out of the principal value."""
     out = solver.solve(case, np.concatenate([_X, _INSIDE]), regular=True)
     root = np.concatenate([_ROOT, np.sqrt(1 - _INSIDE**2)])
     rows = [out.shear_traction * root, -out.contact_pressure * root]
@@ -116,20 +106,21 @@ def tractions(case: dict[str, Any]) -> Tractions:
     t = np.stack([row.values for row in rows])
     regular, values = t[:, : _X.size], t[:, _X.size :] / root[_X.size :]
     quotient = (regular[:, None] - values[:, :, None] * _ROOT) / (_X - _INSIDE[:, None])
+    # the singularity is taken out of the principal value
     transforms = (quotient @ _WEIGHT + values * np.log((1 - _INSIDE) / (1 + _INSIDE))) / np.pi
     a, b = out.contact_trailing.item(), out.contact_leading.item()
-    return Tractions(values, transforms, (a - b) / 2 + (a + b) / 2 * _INSIDE)
+    return values, transforms, (a - b) / 2 + (a + b) / 2 * _INSIDE
 
 
 @property_based
 @given(c=constants(), case=loads())
 def test_the_integral_equations_hold(c: dict[str, Any], case: dict[str, Any]) -> None:
     surface = surface_response({"g11": 0.0, "g33": 0.0} | c)
-    t = tractions({"material": Material(**c, any_size=ANY_SIZE), **case})
+    values, transforms, x = tractions({"material": Material(**c, any_size=ANY_SIZE), **case})
     N, k = surface.normal_compliance, surface.shear_coupling
-    residual = np.outer(k, t.values[0]) + N @ t.transforms[1:]
-    residual[0] -= t.x / case["radius"]
-    size = np.abs(N) @ np.max(np.abs(t.values[1:]), axis=1) + np.abs(k) * np.max(np.abs(t.values[0]))
+    residual = np.outer(k, values[0]) + N @ transforms[1:]
+    residual[0] -= x / case["radius"]
+    size = np.abs(N) @ np.max(np.abs(values[1:]), axis=1) + np.abs(k) * np.max(np.abs(values[0]))
     assert np.all(np.abs(residual) <= 1e-11 * size[:, None])
 
 
@@ -146,10 +137,11 @@ def test_the_integral_equations_hold(c: dict[str, Any], case: dict[str, Any]) ->
 def test_surfaces_of_body_and_elastic_punch_fit(profile: dict[str, Any], slope: tuple[float, ...], lost: float) -> None:
     """Slopes of body and punch, each from the Stroh eigenvectors of its material, differ by that of the profile."""
     materials = FIBROUS, Material.isotropic(210e9, 0.3)
-    t, (body, punch) = tractions(ELASTIC | profile), (surface_response(cases.constants(m)) for m in materials)
-    fits = body.shear_coupling[0] * t.values[0] + body.normal_compliance[0] @ t.transforms[1:]
-    fits += punch.normal_compliance[0, 0] * t.transforms[1] - punch.shear_coupling[0] * t.values[0]  # upside down
-    required = sum(c * t.x**k for k, c in enumerate(slope))
+    values, transforms, x = tractions(ELASTIC | profile)
+    body, punch = (surface_response(cases.constants(m)) for m in materials)
+    fits = body.shear_coupling[0] * values[0] + body.normal_compliance[0] @ transforms[1:]
+    fits += punch.normal_compliance[0, 0] * transforms[1] - punch.shear_coupling[0] * values[0]  # upside down
+    required = sum(c * x**k for k, c in enumerate(slope))
     np.testing.assert_allclose(fits, required, rtol=0, atol=lost * np.max(np.abs(required)))
 
 

@@ -53,6 +53,7 @@ REFUSED: list[tuple[str, Callable[[], object]]] = [
        lambda value=value: solver.aluminium_scandium_nitride([0.2, value])) for value in (-0.01, 0.51)),
     ("mine: c12: missing", lambda: solver.fibrous(material(without(TITANATE, "c12")), CFO, 0.5)),
     ("CoFe2O4 as published: mu11 = -0.00059 N s2 C-2", lambda: solver.fibrous(BTO, AS_PUBLISHED, 0.999)),
+    ("contacts in space alone", lambda: solver.fibrous(find("36Y LiNbO3"), CFO, 0.5)),
     ("use mu11 = +590e-6", lambda: solver.laminate(BTO, AS_PUBLISHED, 0.5)),
     *(("isotropic: ", lambda young=young, poisson=poisson: solver.Material.isotropic(young, poisson))
       for young, poisson in ((2e11, -1.0), (2e11, 0.5), (0.0, 0.3))),

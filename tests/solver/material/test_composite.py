@@ -16,7 +16,6 @@ from tests.solver import micromechanics
 from tests.solver.cases import BTO, CFO, free_body
 from tests.solver.strategies import between, phases, property_based
 from verification.cases import constants
-from verification.oracles.sample_materials import lithium_niobate
 from verification.oracles.surface import half_space, tensor
 from workflow.run.provenance import ROOT
 
@@ -185,14 +184,3 @@ def test_what_is_lost_without_c14_and_d22(azimuth: float, voltage: float, charge
     assert (entry[0, 1] / entry[1, 1]) / (full[0, 1] / full[1, 1]) == pytest.approx(charge, abs=1e-3)
     normal = [m[0, 0] - m[0, 1] ** 2 / m[1, 1] for m in (entry, full)]
     assert normal[0] / normal[1] == pytest.approx(1, abs=5e-3)
-
-
-def test_a_tip_at_zero_volts_has_13_06_to_13_37_picocoulombs_by_azimuth() -> None:
-    """A point contact of revolution answers, to first order in what the azimuth changes, with the mean."""
-    N = np.array([compliance(lithium_niobate(None), azimuth) for azimuth in np.pi * np.arange(24) / 24])
-    charge = 1e12 * np.abs(N[:, 0, 1] / N[:, 1, 1])
-    assert [charge.min(), charge.max()] == pytest.approx([13.061, 13.369], abs=2e-3)
-    mean = np.mean(N, axis=0)
-    assert 1e12 * abs(mean[0, 1] / mean[1, 1]) == pytest.approx(13.213, abs=1e-3)
-    ball = {"material": "LiNbO3", "profile": "sphere", "radius": 1e-6, "force": 1e-4}
-    assert 1e12 * float(solver.solve(ball)["charge_per_force"]) == pytest.approx(13.444, abs=1e-3)

@@ -9,7 +9,6 @@ import pytest
 import solver
 from solver.material.cuts import canonical, of_family, rotation, split
 from tests.refusals import assert_refused
-from tests.solver.cases import CFO
 
 
 @pytest.mark.parametrize(
@@ -64,15 +63,6 @@ def test_the_energy_of_a_crystal_is_positive_and_symmetric(name: str) -> None:
     assert np.linalg.eigvalsh(-tensor[:, 3, 3]).min() > 0
 
 
-def test_the_tensor_in_the_plane_is_that_of_the_half_plane() -> None:
-    material = CFO  # magnetic, too
-    tensor = material.stiffness_tensor()
-    Q, R, T = material.generalised_stiffness()
-    plane = np.ix_([0, 2, 3, 4], [0, 2, 3, 4])
-    for block, (i, j) in zip((Q, R, T), ((0, 0), (0, 2), (2, 2)), strict=True):
-        np.testing.assert_array_equal(tensor[i, :, :, j][plane], block)
-
-
 LINE: dict[str, Any] = {"radius": 0.05, "load": 1e4}
 STACK = solver.Stack([solver.Layer("X quartz", 1e-4)], "rigid")
 
@@ -87,8 +77,3 @@ STACK = solver.Stack([solver.Layer("X quartz", 1e-4)], "rigid")
 def test_contacts_along_a_line_refuse_a_cut(body: dict[str, Any]) -> None:
     kinds = (solver.MaterialError, solver.FactorError)
     assert_refused(kinds, "contacts in space alone", solver.solve, LINE | body)
-
-
-def test_composites_refuse_a_cut() -> None:
-    phases = solver.find("36Y LiNbO3"), CFO
-    assert_refused(solver.MaterialError, "contacts in space alone", solver.fibrous, *phases, 0.5)

@@ -1,5 +1,6 @@
 """Limits and alternatives: what the library holds, how strictly they are read, and what the entries claim of them."""
 
+import re
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,7 @@ def test_entries_say_where_everything_comes_from(name: str) -> None:
         low, high = SENSIBLE[kind]
         assert low <= limit.value <= high, kind
         assert "read" in limit.source or "recalled" in limit.source, kind
+        assert re.search(r"\b(19|20)\d\d\b", limit.source) or "recalled" in limit.source, kind
     if {"coercive_field", "breakdown_field"} <= set(material.limits):
         assert material.limits["coercive_field"].value < material.limits["breakdown_field"].value
     for variant, other in zip(material.variants(), material.alternatives, strict=True):

@@ -35,15 +35,10 @@ def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> No
     positions = [-X - step, -X, -X + step, X - step, X, X + step]
     fields = inside(case, positions, [Y - step, Y, Y + step])
 
-    def parts(name: str) -> tuple[Any, Any]:
-        """Parts of 1 and of cos(angle) over (y, x) about X, as components along r."""
+    def parts(name: str, mirrored: int = 1) -> tuple[Any, Any]:
+        """Parts of 1 and of cos(angle) over (y, x) about X; -1 for a component along r, which x is opposite to."""
         values = fields[name].values.squeeze()
-        right, left = values[:, 3:], values[:, 2::-1]
-        return (right + left) / 2, (right - left) / 2
-
-    def along_r(name: str) -> tuple[Any, Any]:
-        values = fields[name].values.squeeze()
-        right, left = values[:, 3:], -values[:, 2::-1]
+        right, left = values[:, 3:], mirrored * values[:, 2::-1]
         return (right + left) / 2, (right - left) / 2
 
     def dr(values: Any) -> float:
@@ -53,7 +48,7 @@ def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> No
         return float(values[2, 1] - values[0, 1]) / (2 * step)
 
     radial, hoop, normal = (parts(f"stress_{name}") for name in ("xx", "zz", "yy"))
-    shear, displacement = along_r("stress_xy"), along_r("electric_displacement_x")
+    shear, displacement = parts("stress_xy", -1), parts("electric_displacement_x", -1)
     size = float(np.abs(fields["stress_yy"]).max())
     first = 0  # without friction nothing depends on the angle
     assert abs(dr(radial[first]) + dy(shear[first]) + (radial[first] - hoop[first])[1, 1] / X) < 1e-4 * size
@@ -61,7 +56,7 @@ def test_fields_are_in_balance_and_obey_the_material(body: dict[str, Any]) -> No
     up = parts("electric_displacement_y")
     flux = float(np.abs(up[first]).max())
     assert abs(dr(displacement[first]) + dy(up[first]) + displacement[first][1, 1] / X) < 1e-4 * flux
-    field_r, field_y = along_r("electric_field_x"), parts("electric_field_y")
+    field_r, field_y = parts("electric_field_x", -1), parts("electric_field_y")
     for part in (0, 1):  # the curl of the electric field is zero in both
         assert abs(dy(field_r[part]) - dr(field_y[part])) < 1e-4 * float(np.abs(field_y[part]).max())
     m = BTO

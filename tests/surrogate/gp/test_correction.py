@@ -67,11 +67,6 @@ def test_an_error_that_no_term_explains_leaves_the_mean_alone() -> None:
     np.testing.assert_array_equal(left, error)
 
 
-def test_few_cases_leave_the_mean_alone() -> None:
-    model = GridGP(inputs=functions.INPUTS).fit(functions.factorial((6, 4, 4, 3, 2)))
-    assert model.calibrate(functions.scattered(60, seed=1)).correction_ is None
-
-
 def test_a_corrected_mean_is_far_better_on_fresh_cases_and_in_its_gradient() -> None:
     model = GridGP(inputs=functions.INPUTS).fit(functions.factorial(COUNTS))
     model.calibrate(functions.scattered(2000, seed=1))
@@ -109,10 +104,3 @@ def test_factors_that_do_not_tell_what_is_missing_are_filled_all_along() -> None
     whole = np.where(holes[..., None], filled, values).reshape(-1, 2)
     left = np.linalg.solve(K, whole)[holes.ravel()]
     assert np.abs(left).max() < 1e-6 * np.abs(np.linalg.solve(K, whole)).max()
-
-
-def test_more_than_can_be_filled_in_is_refused() -> None:
-    factors = [Factor(60, 0.3), Factor(60, 0.3)]
-    holes = np.add.outer(np.arange(60), np.arange(60)) > 55
-    with pytest.raises(ValueError, match=r"places of the factors .* at most 2000 are filled in"):
-        imputation.expected(factors, np.zeros((60, 60, 1)), holes)

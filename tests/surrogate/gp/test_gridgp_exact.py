@@ -12,7 +12,6 @@ from surrogate import GridGP, Input
 from surrogate.data.inputs import physical_points
 from surrogate.gp.factors import Factor
 from surrogate.gp.gridgp import level_errors
-from surrogate.use.validation import validate
 from tests.surrogate import functions
 
 Array = NDArray[np.float64]
@@ -109,12 +108,6 @@ def test_leave_one_level_out_errors_are_those_of_refitting_without_the_level() -
             mean, variance = dense_posterior([k], [t[others]], values[p, others], t[i : i + 1, None])
             assert errors[p, i] == pytest.approx((values[p, i] - mean[0]) ** 2, rel=1e-6, abs=1e-12)
             assert variances[i] == pytest.approx(variance[0, 0], rel=1e-6)
-
-
-def test_mean_has_the_accuracy_of_tensor_chebyshev_interpolation() -> None:
-    data, held = functions.factorial((16, 6, 5, 6, 2)), functions.scattered(2000, seed=5)
-    table = validate(GridGP(inputs=functions.INPUTS).fit(data), held, data)
-    assert bool((table["max_error"] <= 1.5 * table["baseline_max_error"] + 1e-11).all())
 
 
 def test_compression_keeps_its_tolerance() -> None:

@@ -106,6 +106,7 @@ def test_few_cases_still_give_right_marginal_coverage(count: int) -> None:
     shares = []
     for seed in range(5):
         model.calibrate(functions.scattered(count, seed=10 + seed))
+        assert count > 60 or model.correction_ is None  # few cases leave the mean alone
         shares.append(validate(model, functions.scattered(3000, seed=2), None)["coverage"].values)
     # a beta distribution: the coverage given the cases spreads by about sqrt(0.95 * 0.05 / count)
     assert np.mean(shares) >= 0.94

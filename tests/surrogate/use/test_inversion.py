@@ -40,25 +40,19 @@ def test_two_answers_are_both_within_the_interval() -> None:
     assert estimate.high[0] == pytest.approx(np.exp(1), rel=3e-3)
 
 
-@pytest.mark.parametrize("value", [1e20, 1e308])
-def test_a_reading_beyond_everything_comes_to_an_end(value: float) -> None:
-    estimate = Inversion(model("linear"), ["a", "b"], ["u", "v"], {"c": 0.25}).estimate(
-        np.array([value, 0.3]), np.full(2, 0.1)
-    )
-    assert estimate.misfit > 1e15
-    assert np.isnan(estimate.mean).all()
-
-
 def test_an_error_beyond_all_outputs_leaves_the_whole_range() -> None:
     inversion = Inversion(model("linear"), ["a"], ["u"], {"b": 1.0, "c": 0.25})
     estimate = inversion.estimate(np.array([1.0]), np.array([1e140]))
     assert [estimate.low[0], estimate.high[0]] == pytest.approx([-2 + 0.125, 3 - 0.125], rel=1e-6)
 
 
-def test_disagreement_shows_in_the_misfit() -> None:
+def test_disagreement_shows_in_the_misfit_and_a_reading_beyond_everything_comes_to_an_end() -> None:
     inversion = Inversion(model("linear"), ["a", "b"], ["u", "v"], {"c": 0.25})
-    assert inversion.estimate(np.array([1.0, 0.3]), np.array([0.1, 0.1])).misfit < 1
-    assert inversion.estimate(np.array([9.0, 0.3]), np.array([0.1, 0.1])).misfit > 1000
+    assert inversion.estimate(np.array([1.0, 0.3]), np.full(2, 0.1)).misfit < 1
+    for value, least in ((9.0, 1e3), (1e20, 1e15), (1e308, 1e15)):
+        estimate = inversion.estimate(np.array([value, 0.3]), np.full(2, 0.1))
+        assert estimate.misfit > least
+        assert value == 9.0 or np.isnan(estimate.mean).all()
 
 
 @pytest.mark.parametrize("trials", [25, pytest.param(250, marks=pytest.mark.soak)])

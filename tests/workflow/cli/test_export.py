@@ -13,6 +13,7 @@ import pytest
 import surrogate
 from tests import programs
 from tests.compiled import STRICT
+from tests.surrogate import functions
 from tests.workflow.conftest import Project
 from workflow.run.provenance import ROOT
 
@@ -44,8 +45,7 @@ print(json.dumps({"faults": faults, **{name: seen[name].tolist() for name in see
 
 @pytest.mark.skipif(not FMPY.exists(), reason="no fmpy (`make referees` installs it)")
 def test_a_simulator_runs_the_unit(quickstart_run: Project, model: surrogate.GaussianProcess, tmp_path: Path) -> None:
-    t = np.random.default_rng(7).uniform(-1.1, 1.1, (5, 1000)).clip(-1, 1)
-    points = np.stack([axis.from_unit(row) for axis, row in zip(model.inputs_, t, strict=True)], axis=1)
+    points = functions.inside(model.inputs_, 1000, 7, 1.1)
     unit = tmp_path / "contact.fmu"
     command = ["export", "results/quickstart", "--as", "fmu", "--outputs", ",".join(OUTPUTS), "-o", str(unit)]
     quickstart_run.run("meecontact", *command)

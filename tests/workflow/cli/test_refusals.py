@@ -75,7 +75,6 @@ COMMANDS = [
     ("list material", "list: 'material' is unknown; did you mean 'materials'?"),
     *((f"run mine --cores={count}", "--cores: ") for count in ("0", "x", "１", "9" * 300)),
     ("run slip", "config/slip.yaml: factors.laod: 'laod' is not a factor; did you mean 'load'"),
-    ("material stel", "material: 'stel' is unknown; did you mean 'steel'?"),
     ("material AlScN", "is a composition, not one material: a case says composite=AlScN and scandium_fraction"),
     # files
     ("solve absent.csv -o out.nc", "absent.csv: No such file"),

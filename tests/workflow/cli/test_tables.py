@@ -29,15 +29,6 @@ from workflow.run.provenance import ROOT
 from workflow.study.reading import InputError
 
 
-def test_units_behind_names_are_those_of_the_numbers(command: Command) -> None:
-    text = "# from a colleague\nradius [mm],load[kN/m],voltage [kV]\n50,10,-0.2\n#50,20,0\n,1,\n"
-    table = read_cases(command.file("cases.csv", text), {"voltage": "V"})
-    np.testing.assert_allclose(table.columns["radius"], [0.05, np.nan], rtol=1e-15)
-    np.testing.assert_allclose(table.columns["load"], [1e4, 1e3], rtol=1e-15)
-    np.testing.assert_allclose(table.columns["voltage"], [-200.0, np.nan], rtol=1e-15)
-    assert table.lines.tolist() == [3, 5]
-
-
 def test_a_long_cell_does_not_widen_its_column(command: Command) -> None:
     path = command.file("cases.csv", "material\n" + "x" * 200 + "\n" + "a\n" * 137_000)  # 274 kB took 4.1 GB
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -76,13 +67,14 @@ def test_units_are_read_in_every_notation(text: str, expected: list[list[float]]
 
 def test_quotes_blanks_and_lines_of_other_programs_are_read(tmp_path: Path) -> None:
     path = tmp_path / "cases.csv"
-    path.write_bytes(b'material ,"radius",load\r\n\r\n"PZT-4", 0.05 ,"1e5"\r\nsteel,,\xc2\xa02E4\r\n\n"a\nb",1.,+.5e1')
+    remarks = b'# from a colleague\nmaterial ,"radius",load\r\n\r\n"PZT-4", 0.05 ,"1e5"\r\n#PZT-4,1,1\n'
+    path.write_bytes(remarks + b'steel,,\xc2\xa02E4\r\n\n"a\nb",1.,+.5e1')
     table = read_cases(path)
     assert table.columns["material"].tolist() == ["PZT-4", "steel", "a\nb"]
     np.testing.assert_array_equal(table.columns["radius"], [0.05, np.nan, 1.0])
     np.testing.assert_array_equal(table.columns["load"], [1e5, 2e4, 5.0])
-    assert table.lines.tolist() == [3, 4, 7]
-    assert table.at(1) == f"{path}: line 4"
+    assert table.lines.tolist() == [4, 6, 9]
+    assert table.at(1) == f"{path}: line 6"
     assert table.empty("radius").tolist() == [False, True, False]
 
 

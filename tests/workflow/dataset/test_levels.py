@@ -9,7 +9,7 @@ from scipy.stats import kstest
 
 from storage.netcdf import read_whole, write_whole
 from surrogate import GridGP
-from tests.studies import data_set, edited, fitted, made, shipped
+from tests.studies import data_set, edited, fitted, made
 from tests.workflow.conftest import Copy
 from workflow.dataset import batches, datacard, draws, factorial, levels
 from workflow.dataset.slabs import gather
@@ -89,10 +89,13 @@ def test_an_unreachable_tolerance_is_one_line_and_leaves_no_result(copy: Copy) -
 @pytest.mark.parametrize("ends", [False, True])
 def test_cases_are_even_and_as_many_again_lie_towards_the_ends(ends: bool) -> None:
     study = made(GROUPED)
-    cases, even = draws.sample(study, 4000, (3, 2), ends)
+    (cases, even), (again, _), (other, _) = (draws.sample(study, 4000, seed, ends) for seed in ((3, 2), (3, 2), (3, 1)))
     assert (int(even.sum()), even.size) == (4000, 4000 * (1 + ends))
     for name, values in cases.items():
         axis = study.factors[name]
+        assert axis.low <= values.min() <= values.max() <= axis.high
+        assert values.equals(again[name])
+        assert not values.equals(other[name])
         size = np.log if axis.scale == "log" else np.asarray
         low, high = float(size(axis.low)), float(size(axis.high))
         shares = (size(values.values) - low) / (high - low)
@@ -100,18 +103,6 @@ def test_cases_are_even_and_as_many_again_lie_towards_the_ends(ends: bool) -> No
         assert kstest(shares[even > 0], "uniform").statistic < 0.081
         if ends and name not in study.tabled:
             assert (np.abs(shares[even == 0] - 0.5) > 0.4).mean() > 0.4
-
-
-def test_samples_are_in_the_box_and_follow_the_seed() -> None:
-    study = shipped("quickstart")
-    first, again, other = (factorial.sample(study, 400, seed) for seed in ((1, 0), (1, 0), (1, 1)))
-    assert first.equals(again)
-    assert not first.equals(other)
-    for name, axis in study.factors.items():
-        values = first[name].values
-        assert axis.low <= values.min() <= values.max() <= axis.high
-        middle = np.sqrt(axis.low * axis.high) if axis.scale == "log" else (axis.low + axis.high) / 2
-        assert abs(np.mean(values < middle) - 0.5) < 0.1  # uniform in the axis's own scale
 
 
 FILM = """\
@@ -156,7 +147,7 @@ def slabs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return run(made(FILM), tmp_path_factory.mktemp("cross"))
 
 
-def test_it_is_the_surrogate_of_the_whole_factorial(slabs: list[Path]) -> None:
+def test_it_is_the_surrogate_of_the_whole_factorial_and_its_card_counts_what_was_solved(slabs: list[Path]) -> None:
     study = made(FILM)
     assert study.crossed == ["lower_volume_fraction", "volume_fraction"]
     crossed = training.fit(study, gather([read_whole(slab) for slab in slabs]))
@@ -166,6 +157,10 @@ def test_it_is_the_surrogate_of_the_whole_factorial(slabs: list[Path]) -> None:
     errors = np.abs(crossed.predict_array(X) - whole.predict_array(X)).max(axis=0)
     assert (errors <= 1e-3 * np.array([np.ptp(exact[name].values) for name in study.outputs])).all()
     assert crossed.made_from_ == study.physics
+    card = datacard.card(study, "crossed", slabs, [])
+    places = sum(read_whole(slab).sizes["place"] for slab in slabs)
+    assert card["cases"] == 6 * places == 6 * sum(file["levels"] for file in card["files"])
+    assert "a cross approximation asked for" in datacard.markdown(card)
 
 
 def test_slabs_and_restarts_change_no_byte(slabs: list[Path], tmp_path: Path) -> None:
@@ -179,14 +174,6 @@ def test_slabs_and_restarts_change_no_byte(slabs: list[Path], tmp_path: Path) ->
     for name, files in (("again.nc", again), ("first.nc", slabs)):
         write_whole(gather([read_whole(slab) for slab in files]), tmp_path / name)
     assert (tmp_path / "again.nc").read_bytes() == (tmp_path / "first.nc").read_bytes()
-
-
-def test_the_card_counts_what_was_solved(slabs: list[Path]) -> None:
-    study = made(FILM)
-    card = datacard.card(study, "crossed", slabs, [])
-    places = sum(read_whole(slab).sizes["place"] for slab in slabs)
-    assert card["cases"] == 6 * places == 6 * sum(file["levels"] for file in card["files"])
-    assert "a cross approximation asked for" in datacard.markdown(card)
 
 
 HALF_PLANE = """\

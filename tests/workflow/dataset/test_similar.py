@@ -178,7 +178,7 @@ def model() -> GroupedGP:
     return grouped
 
 
-def test_axes_are_the_groups_over_the_box() -> None:
+def test_axes_are_the_groups_over_the_box_and_stored_cases_have_their_values() -> None:
     half_plane = made(GROUPED)
     assert list(half_plane.axes) == ["volume_fraction", "friction", "load_radius_per_datum2", "charge_per_load"]
     pressed, charged = half_plane.axes["load_radius_per_datum2"], half_plane.axes["charge_per_load"]
@@ -187,10 +187,7 @@ def test_axes_are_the_groups_over_the_box() -> None:
     assert (pressed.scale, charged.scale, half_plane.axes["volume_fraction"].scale) == ("log", "linear", "logit")
     assert half_plane.cases == 8 * 4 * 5 * 3
     assert list(half_plane.factors) == ["volume_fraction", "friction", "radius", "load", "charge"]
-
-
-def test_stored_cases_have_the_values_of_the_groups() -> None:
-    half_plane = made(GROUPED)
+    # stored cases have the groups' values
     axes = factorial.levels(half_plane)
     factors = representatives.factors(half_plane, axes)
     assert factors["radius"] == pytest.approx(np.sqrt(0.02 * 0.2))

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from solver.fields import FIELDS
 from solver.names import QUANTITIES
 from storage.netcdf import write_whole
+from tests.refusals import assert_refused
 from tests.studies import data_set, edited, made
 from workflow.dataset import casecache, datacard, factorial
 from workflow.dataset import slabs as dataset
@@ -61,6 +62,9 @@ def test_the_opened_data_set_is_the_exact_solution(folder: Path, exact: xr.Datas
         scale = np.abs(exact[name]).max().item()
         np.testing.assert_allclose(data[name], exact[name], rtol=1e-6, atol=1e-7 * scale)
         assert data[name].attrs["units"] == exact[name].attrs["units"]
+    with netCDF4.Dataset(folder / "fields/slab_0.nc") as file:  # chunks for reading by case and by position
+        chunks = dict(zip(file["stress_xx"].dimensions, file["stress_xx"].chunking(), strict=True))
+    assert (chunks["volume_fraction"], chunks["position"]) == (1, 16)
 
 
 @pytest.mark.parametrize(
@@ -86,8 +90,7 @@ def test_a_truncated_slab_is_named_when_it_is_read(folder: Path, tmp_path: Path)
     cut.write_bytes(cut.read_bytes()[:-1])
     data = dataset.open_results(tmp_path)
     data["stress_xx"].isel(volume_fraction=0).load()
-    with pytest.raises(ValueError, match=r"slab_1\.nc: incomplete"):
-        data["stress_xx"].isel(volume_fraction=4).load()
+    assert_refused(ValueError, r"slab_1\.nc: incomplete", data["stress_xx"].isel(volume_fraction=4).load)
 
 
 def test_the_card_tells_sizes_and_statistics(folder: Path, study: Study, exact: xr.Dataset) -> None:
@@ -106,18 +109,10 @@ def test_the_card_tells_sizes_and_statistics(folder: Path, study: Study, exact: 
     assert "| friction | 0 | 0.5 | 6 | linear |" in text
 
 
-def test_fields_are_chunked_for_reading_by_case_and_by_position(folder: Path) -> None:
-    with netCDF4.Dataset(folder / "fields/slab_0.nc") as file:
-        chunks = dict(zip(file["stress_xx"].dimensions, file["stress_xx"].chunking(), strict=True))
-    assert chunks["volume_fraction"] == 1
-    assert chunks["position"] == 16
-
-
 def test_a_value_beyond_the_stored_precision_leaves_no_file(tmp_path: Path) -> None:
     text = edited(STUDY, "load: {low: 5e3, high: 5e4, levels: 7", "load: {low: 5e3, high: 1e120 N/m, levels: 3")
     vast = made(edited(text, "radius: {low: 0.02, high: 0.2", "radius: {low: 1e-110 m, high: 1e-100 m"))
-    with pytest.raises(ValueError, match="not finite in float32"):
-        dataset.write_slab(vast, 0, tmp_path / "slab.nc")
+    assert_refused(ValueError, "not finite in float32", dataset.write_slab, vast, 0, tmp_path / "slab.nc")
     assert not (tmp_path / "slab.nc").exists()
 
 

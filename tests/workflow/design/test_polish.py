@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.workflow.design import standin
+from tests.workflow.design.test_verdict import small
 from workflow.design.question.pilot import ask
 from workflow.design.question.sources import Factors, shape
 from workflow.design.search import polish
@@ -17,7 +17,7 @@ from workflow.study.target import Target
 
 Array = NDArray[np.float64]
 
-STUDY = standin.study(
+STUDY = small(
     fixed={"material": "PZT-4", "load": 1e4},
     factors={"radius": {"low": 0.01, "high": 0.1, "levels": 4}, "friction": {"low": 0.1, "high": 0.4, "levels": 4}},
 )

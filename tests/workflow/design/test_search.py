@@ -9,7 +9,7 @@ import xarray as xr
 from solver import solve
 from surrogate import GaussianProcess
 from surrogate import load as load_surrogate
-from tests.surrogate.hypervolume import hypervolume
+from tests.surrogate.search.test_optimise import hypervolume
 from tests.test_notebooks import table
 from tests.workflow.conftest import Project
 from workflow.design.search import targets

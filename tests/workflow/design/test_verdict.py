@@ -1,5 +1,6 @@
 """Verdicts on designs: exact cases, closed forms, dense searches, and materials moved by hand."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+import yaml
 from numpy.typing import NDArray
 
 from solver import Material, find, solve, solve_interior
@@ -14,8 +16,9 @@ from surrogate import GridGP, Input
 from surrogate.search.pareto import Front
 from tests.studies import fitted, made, shipped
 from tests.surrogate import curved
-from tests.workflow.design import standin
-from workflow.design.question.sources import Exact, Predicted
+from workflow.design.question.pilot import ask as asked
+from workflow.design.question.question import Question
+from workflow.design.question.sources import Exact, Factors, Predicted
 from workflow.design.search import targets
 from workflow.design.verdict import assessment, linearity, merit, multipliers
 from workflow.design.verdict.answer import ROUNDING, Answer
@@ -25,6 +28,43 @@ from workflow.study.contents import Origin
 from workflow.study.model import Study, remade
 from workflow.study.target import Target
 from workflow.study.uncertainty import FAMILIES, uncertain
+
+Array = NDArray[np.float64]
+
+FACTORS = {
+    "radius": {"low": 0.02, "high": 0.2, "levels": 4, "scale": "log"},
+    "load": {"low": 5e3, "high": 5e4, "levels": 4, "scale": "log"},
+}
+FIXED = {"material": "BaTiO3", "friction": 0.2}
+
+
+class StandIn(Predicted):
+    """The exact solver as a surrogate that takes itself for sure."""
+
+    step = Exact.step
+
+    def __init__(self, study: Study) -> None:
+        self._exact = Exact(study)
+
+    def values(self, factors: Factors, names: Sequence[str]) -> dict[str, Array]:
+        return self._exact.values(factors, names)
+
+    def errors(self, factors: Factors, weights: Mapping[str, Array]) -> tuple[float, float]:
+        return 0.0, 0.0
+
+
+def small(**changed: Any) -> Study:
+    """A small study: a punch on BaTiO3 of which radius and load are factors."""
+    validation = {"cases": 20, "calibration": 40, "tolerance": 1e-2}
+    text = {"title": "small", "fixed": FIXED, "factors": FACTORS, "validation": validation}
+    return made(yaml.safe_dump(text | changed))
+
+
+def design_at(study: Study, point: dict[str, float], **target: Any) -> Question:
+    """One design of a question, by its variables in SI."""
+    question = asked(study, "mine", Target.model_validate(target), StandIn(study), Exact(study))
+    return question.at(np.array([axis.to_unit(point[name]) for name, axis in question.inputs.items()], dtype=float))
+
 
 LOAD = {"low": 5e3, "high": 5e4, "levels": 5, "scale": "log"}
 RADIUS = {"low": 0.02, "high": 0.2, "levels": 5, "scale": "log"}
@@ -40,7 +80,7 @@ def exact_ranges(answer: Answer) -> dict[str, tuple[float, float]]:
 
 def ask(factors: dict[str, Any], fixed: dict[str, Any] | None = None, **target: Any) -> Answer:
     """Answer a target of a small study whose composite is fibrous and whose friction is 0.2."""
-    study = standin.study(fixed={**BODY, **(fixed or {})}, factors=factors)
+    study = small(fixed={**BODY, **(fixed or {})}, factors=factors)
     return targets.answer(study, "mine", Target.model_validate(target), fitted(study))
 
 
@@ -159,8 +199,8 @@ AT = {"radius": 0.1, "load": 1e4}
 
 
 def test_elasticities_and_costs_are_those_of_hertz() -> None:
-    study = standin.study(fixed=standin.FIXED | HERTZ)
-    design = standin.design(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
+    study = small(fixed=FIXED | HERTZ)
+    design = design_at(study, AT, minimise="peak_pressure", over=["radius", "load"], subject_to=["load >= 9 kN/m"])
     exact, _ = assessment.exactly(design, design.terms)
     sensitivities = assessment.sensitivities(design, exact)
     assert sensitivities["radius"].elasticity == pytest.approx((-0.5, 0.0), abs=1e-6)
@@ -174,17 +214,17 @@ def test_elasticities_and_costs_are_those_of_hertz() -> None:
 
 @pytest.mark.parametrize("room", [1.2, 3.0])
 def test_the_load_at_the_first_limit_is_that_of_hertz(room: float) -> None:
-    study = standin.study(fixed=standin.FIXED | HERTZ)
-    open_ = standin.design(study, AT, maximise="load", over=["radius", "load"])
+    study = small(fixed=FIXED | HERTZ)
+    open_ = design_at(study, AT, maximise="load", over=["radius", "load"])
     factors = {name: np.full((1, 1), value) for name, value in AT.items()}
     pressure = float(open_.exact.values(factors, ["peak_pressure"])["peak_pressure"][0, 0])
     limit = f"peak_pressure <= {room * pressure:.12g} Pa"
-    design = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=[limit])
+    design = design_at(study, AT, maximise="load", over=["radius", "load"], subject_to=[limit])
     overload = merit.first_limit(design, [AT, AT])
     assert overload is not None
     assert overload.overload == pytest.approx(room**2, rel=1e-3)
     assert overload.overload_term == limit
-    free = standin.design(study, AT, maximise="load", over=["radius", "load"], subject_to=["peak_pressure <= 1e6 MPa"])
+    free = design_at(study, AT, maximise="load", over=["radius", "load"], subject_to=["peak_pressure <= 1e6 MPa"])
     overload = merit.first_limit(free, [AT, AT])
     assert overload is not None
     assert (overload.overload, overload.overload_term) == (merit.MOST_LOAD, "")
@@ -218,17 +258,17 @@ def test_the_front_of_all_choices_is_what_none_of_them_dominates() -> None:
 
 
 def test_map_and_slices_are_the_terms_about_the_design() -> None:
-    study = standin.study()
+    study = small()
     limit = "trailing_tension <= 50 MPa"
-    design = standin.design(study, AT, maximise="peak_pressure", over=["radius", "load"], subject_to=[limit])
+    design = design_at(study, AT, maximise="peak_pressure", over=["radius", "load"], subject_to=[limit])
     pictures = targets.map_and_slices(design)
     over = {"radius": pictures["map_x"].values[::20], "load": pictures["map_y"].values[::20]}
-    exact = solve({**standin.FIXED, **over}).transpose(*over)
+    exact = solve({**FIXED, **over}).transpose(*over)
     np.testing.assert_allclose(pictures["map_objective"].values[::20, ::20], exact["peak_pressure"], rtol=1e-9)
     excess = exact["trailing_tension"] / 50e6 - 1
     np.testing.assert_allclose(pictures["map_excess"].values[::20, ::20], excess, rtol=1e-9, atol=1e-9)
     load_slice = pictures.sel(slice="load")
-    along = solve({**standin.FIXED, "radius": 0.1, "load": load_slice["slice_value"].values})["peak_pressure"]
+    along = solve({**FIXED, "radius": 0.1, "load": load_slice["slice_value"].values})["peak_pressure"]
     np.testing.assert_allclose(load_slice["slice_objective"], along, rtol=1e-9)
     assert np.all(load_slice["slice_low"] <= load_slice["slice_objective"])
 
@@ -247,7 +287,7 @@ def test_curves_are_asked_for_the_quantities_of_a_term_even_if_it_has_none() -> 
 def test_errors_of_one_quantity_are_its_own_and_those_of_several_go_together() -> None:
     random, axis = np.random.default_rng(0), Input("x", 0.0, 1.0)
 
-    def outputs(x: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    def outputs(x: Array) -> dict[str, Array]:
         return {"one": 1 / (x + 0.1), "same": 2 + 3 / (x + 0.1)}
 
     grid = xr.Dataset({name: ("x", values) for name, values in outputs(axis.levels(9)).items()}, {"x": axis.levels(9)})

@@ -17,6 +17,7 @@ from solver.names import OF_HEAT
 from solver.stack.electrodes import Electrode
 from solver.stack.layers import Layer, Stack
 from storage.netcdf import write_whole
+from tests.refusals import assert_refused
 from tests.studies import edited, made
 from workflow.device import pressed
 from workflow.device.circuit import Circuit, permittivity
@@ -170,8 +171,7 @@ def test_noise_is_that_of_amplifier_and_temperature(numbers: dict[str, float], n
     ],
 )
 def test_contacts_without_a_signal_are_refused(case: dict[str, Any], words: str) -> None:
-    with pytest.raises(solver.FactorError, match=words):
-        ContactCurves.from_case(case, FORCE)
+    assert_refused(solver.FactorError, words, ContactCurves.from_case, case, FORCE)
 
 
 def test_heat_and_bias_current_flow_into_the_node_as_charge_of_a_force_does(film: ContactCurves) -> None:
@@ -320,5 +320,4 @@ def test_designs_of_no_study_are_refused(named: str, words: str, here: Path, mon
     study = edited(STUDY, "signal: {design: touch", f"signal: {{study: {named}, design: ball")
     Path("mine.yaml").write_text(study, encoding="utf-8")
     Path("other.yaml").write_text(STUDY, encoding="utf-8")
-    with pytest.raises(InputError, match=words):
-        pressed_study(load("mine.yaml"))
+    assert_refused(InputError, words, pressed_study, load("mine.yaml"))

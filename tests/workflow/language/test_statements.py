@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.constants import Boltzmann
 
-from solver import materials, units
+from solver import units
 from solver.body import KINDS
 from solver.names import ALL_QUANTITIES, FACTORS
 from solver.units import prefixed
@@ -350,9 +349,3 @@ def test_a_source_that_was_not_read_is_marked() -> None:
         assert unverified(source) == " (unverified: not read at its source)"
     assert unverified("a vendor's table") == " (unverified: no dated source)"
     assert unverified("a vendor's table, read in 2026; recalledness is no word of it") == ""
-
-
-def test_what_the_library_says_that_materials_bear_has_a_year_or_is_marked() -> None:
-    for material in materials().values():
-        for limit in material.limits.values():
-            assert re.search(r"\b(19|20)\d\d\b", limit.source) or "recalled" in limit.source, limit.source

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from jinja2 import Environment, FileSystemLoader
 
 import surrogate
@@ -21,7 +20,7 @@ from storage.netcdf import read_whole
 from surrogate import CurveGP, GaussianProcess, GroupedGP, Input
 from surrogate.use.export import ERROR, exported
 from tests.studies import fitted, made
-from tests.surrogate import curved, grouped
+from tests.surrogate import curved, functions, grouped
 from tests.workflow.conftest import Project
 from tests.workflow.report.browser import in_node, needs_browser, needs_node, opened
 from workflow.dataset import factorial
@@ -146,6 +145,7 @@ def test_who_decides_reads_the_first_screen_only(looked: Callable[[int], dict[st
 
 def test_the_page_is_whole_escaped_and_its_own(ran: Project, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written = page(ran)
+    assert f"Polish: {netcdf.read(ran.folder / 'results/small/design/sensor.nc').polish}." in written
     sources = re.findall(r'(?:src|href)="([^"]*)"', written)
     assert sources
     assert all(source.startswith(("data:", "#")) for source in sources)
@@ -379,11 +379,9 @@ def of_groups() -> GaussianProcess:
 def of_curves_over_groups() -> GaussianProcess:
     """Calibrated on cases that are off by some 1e-3: what they are is no matter here."""
     model = curved.fitted_over_groups()
-    t = np.random.default_rng(3).uniform(-1, 1, (2, 60))
-    axes = zip(curved.INPUTS, t, strict=True)
-    points = {axis.name: xr.DataArray(axis.from_unit(row), dims="case") for axis, row in axes}
+    points = functions.drawn(curved.INPUTS, 60, 3)
     off = model.predict(points, return_std=False) * (1 + 1e-3 * np.sin(40 * points["a"]))
-    return model.calibrate(off.assign(points))
+    return model.calibrate(off.merge(points))
 
 
 @needs_node

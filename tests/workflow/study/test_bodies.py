@@ -67,7 +67,7 @@ def stack(copper: float, fraction: float, base: str) -> solver.Stack:
     return solver.Stack(layers) if base == "rigid" else solver.Stack(layers, solver.find(base))
 
 
-def test_every_case_of_the_data_set_is_the_solvers_stack(slab: Path) -> None:
+def test_every_case_of_the_data_set_is_the_solvers_stack_which_is_stored_frozen_and_drawn(slab: Path) -> None:
     study = made(LAYERS)
     whole = read_whole(slab)
     assert dict(whole.sizes) == {"copper_thickness": 2, "volume_fraction": 2, "load": 5, "base": 2, "position": 5}
@@ -79,6 +79,13 @@ def test_every_case_of_the_data_set_is_the_solvers_stack(slab: Path) -> None:
         for name in (*study.quantities, *FIELDS):
             size = float(np.abs(whole[name]).max())
             np.testing.assert_allclose(stored[name], exact[name], rtol=1e-9, atol=1e-9 * size)
+    words = whole.attrs["body"]
+    assert words.startswith("fibrous, thickness = 200 µm")
+    assert words.endswith("copper, thickness = copper_thickness | base")
+    assert study.tabled == ["copper_thickness", "volume_fraction"]
+    assert thawed(study.frozen()).physics == study.physics
+    assert study.physics != study.model_copy(update={"body": study.body[:1]}).physics
+    assert "copper" in str(page._problem(study))
 
 
 def test_a_design_takes_a_lower_layers_thickness(slab: Path) -> None:
@@ -96,17 +103,6 @@ def test_a_design_takes_a_lower_layers_thickness(slab: Path) -> None:
     shown = fields(study.narrowed({"base": base}), design)
     below = solver.solve_interior(case, shown["x"].values, shown["y"].values, fields=["stress_xx"])
     np.testing.assert_allclose(shown["inside_stress_xx"], below["stress_xx"], rtol=1e-9, equal_nan=True)
-
-
-def test_a_body_is_stored_frozen_and_drawn(slab: Path) -> None:
-    study = made(LAYERS)
-    words = read_whole(slab).attrs["body"]
-    assert words.startswith("fibrous, thickness = 200 µm")
-    assert words.endswith("copper, thickness = copper_thickness | base")
-    assert study.tabled == ["copper_thickness", "volume_fraction"]
-    assert thawed(study.frozen()).physics == study.physics
-    assert study.physics != study.model_copy(update={"body": study.body[:1]}).physics
-    assert "copper" in str(page._problem(study))
 
 
 BALL = """\

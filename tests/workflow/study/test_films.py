@@ -74,9 +74,7 @@ def test_a_field_needs_a_material_that_couples_to_it_or_a_charge() -> None:
     assert coupling.fields(made_of(material="glass")) == set()
     assert coupling.fields(made_of(material="glass", charge=1e-6)) == {"electric"}
     assert coupling.fields(shipped("paper")) == {"electric", "magnetic"}
-
-
-def test_quantities_of_a_field_that_is_none_are_not_told_unless_they_are_asked_for() -> None:
+    # quantities of a field that is none are not told unless they are asked for
     study = made_of(material="PZT-4")
     names = coupling.felt_outputs(study)
     assert {"voltage", "peak_pressure", "stroke_per_volt"} <= set(names)

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests import studies
+from tests.refusals import assert_refused
 from tests.workflow.conftest import SMALL, Copy, Project, job
 from workflow.cli import main
 from workflow.run import lock
@@ -45,14 +46,6 @@ def test_names_that_snakemake_cannot_bear(folder: Path, capsys: pytest.CaptureFi
     assert [file.name for file in folder.iterdir()] == ["config"]
 
 
-def test_outside_of_a_project_it_says_what_to_do(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main.main(["run", "quickstar"]) == 2
-    line = capsys.readouterr().err
-    assert f"study: 'quickstar' is unknown: {folder} has no config/*.yaml; go to a folder that has one" in line
-    assert "did you mean 'quickstart'?" in line
-    assert line.count("\n") == 1
-
-
 def test_a_study_comes_with_the_program_unless_the_folder_has_one_of_its_name(folder: Path) -> None:
     path = write(folder / "config/film.yaml")
     assert location.given("film") == "film"
@@ -75,8 +68,7 @@ def test_a_study_that_was_given_by_a_path_keeps_its_name(folder: Path) -> None:
     mine, other = write(folder / "far/mine.yaml"), write(folder / "other/mine.yaml")
     assert location.location("mine") == Path("config/mine.yaml")
     assert location.given("far/mine.yaml") == location.given(str(mine)) == "mine"
-    with pytest.raises(InputError, match="another study named 'mine' was given before"):
-        location.given(str(other))
+    assert_refused(InputError, "another study named 'mine' was given before", location.given, str(other))
     assert location.location("mine") == mine
 
 
@@ -128,8 +120,7 @@ def test_configuration_of_a_profile_is_refused_where_the_command_line_overrides_
         with pytest.raises(InputError, match="'friction': not read"):
             configuration.check_profiles([*command, "--config", "study=film", "-n"])
     monkeypatch.setenv("SNAKEMAKE_PROFILE", str(here / "mine"))
-    with pytest.raises(InputError, match="'friction': not read"):
-        configuration.check_profiles(["--config", "study=film"])
+    assert_refused(InputError, "'friction': not read", configuration.check_profiles, ["--config", "study=film"])
 
 
 def test_a_run_with_unread_configuration_plans_nothing(copy: Copy) -> None:

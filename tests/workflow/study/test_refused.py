@@ -14,8 +14,8 @@ from tests.workflow.study.test_model import POINT
 from workflow.run.provenance import ROOT
 
 NAMES = ("quickstart", "catalogue", "taxel", "measured")
-BOX, CATALOGUE, TAXEL, MEASURED = ((ROOT / f"config/{name}.yaml").read_text(encoding="utf-8") for name in NAMES)
-BOX = edited(BOX, "<= tensile_strength]", "<= 50 MPa, peak_pressure <= 500 MPa]")
+QUICKSTART, CATALOGUE, TAXEL, MEASURED = ((ROOT / f"config/{name}.yaml").read_text(encoding="utf-8") for name in NAMES)
+BOX = edited(QUICKSTART, "<= tensile_strength]", "<= 50 MPa, peak_pressure <= 500 MPa]")
 LARGE, FEW = edited(BOX, "levels: 26", "levels: 1000"), edited(BOX, "calibration: 10000", "calibration: 99")
 AXES = ["volume_fraction", "friction", "radius", "load", "charge", "magnetic_charge", "speed", "width", "slope"]
 KINDS = ["profile", "electric", "magnetic", "corner"]
@@ -50,7 +50,6 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (BOX, "magnetic_charge: 0.0", "charge: 0.0", "fixed: charge: is one of the factors already"),
     (BOX, "tension <=", "tensin <=", "design.sensor: 'trailing_tensin': 'trailing_tensin' is not a quantity; did"),
     (BOX, "<= 50 MPa", "<= 50 mm", "design.sensor: 'trailing_tension <= 50 mm': unit mismatch: the limit is in mm, "),
-    (BOX, "abs(volt", "load + (volt", "design.sensor: 'load + (voltage_per_load)': 'N m-1' and 'V m N-1' cannot"),
     (BOX, "maximise: abs(voltage_per_load)", "robust: mean", "design.sensor: maximise or minimise: missing; one"),
     (BOX, "[trailing_tension <= 50 MPa,", "[depth <= 1 mm with probability 0.9,", "design.sensor: subject_to: depth <"),
     (BOX, "over: [volume_fraction, radius]", "over: {volume_fraction: {}, radius: {high: 1.0}}",
@@ -58,7 +57,6 @@ REFUSED: list[tuple[str, str, str, str]] = [
     (BOX, "[0.1, 0.4]", "[0.4, 0.1]", "design.sensor: worst_case: friction: 0.4 must not be above 0.1"),
     (BOX, "{load: 5e3, charge: 0.0}", "{load: 5e3}", "design: sensor: 'charge' is missing; put it in over, at, worst"),
     (BOX, "  sensor:", "  my sensor:", "design: 'my sensor' must be letters, digits and underscores"),
-    (BOX, "<= 50 MPa", "<= 50 MPa1/0", "design.sensor: 'trailing_tension <= 50 MPa1/0': '1/0': an exponent must be"),
     (BOX, "cases: 5000", "cases: 5000\n  cases: 4", "not valid YAML: key 'cases' is given twice"),
     (BOX, "\ndesign:", "\n\tdesign:", "not valid YAML: found character '\\t' that cannot start any token"),
     (BOX, "trailing_tension <=", "nominal_field <= 1 kV/mm, trailing_tension <=",
