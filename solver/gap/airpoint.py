@@ -9,7 +9,7 @@ import numpy as np
 from approximation.arrays import Indices
 from solver.arrays import Array, selected
 from solver.gap.newton import GapStates, Linear, Terms
-from solver.gap.ringoperators import RingOperators, RingTable, Rows
+from solver.gap.ringoperators import Layout, RingOperators, RingTable
 from solver.gap.rings import Rings
 
 
@@ -34,9 +34,9 @@ class PointStates(GapStates):
         return self.table.exact
 
     @property
-    def layout(self) -> Rows:
+    def layout(self) -> Layout:
         """Layout of the outputs."""
-        return self.operators.rows
+        return self.operators.layout
 
     @property
     def rings(self) -> Rings:

@@ -75,12 +75,6 @@ class Rules:
     theta: Array  # Nodes; (interval, node)
     shape: Array  # Weights times the density at the nodes per unknown of the panel; (interval, node, unknown)
 
-    def rough(self, singular: NDArray[np.complex128]) -> BoolArray:
-        """Mark intervals too close to kernel singularities at u = ``singular`` (..., interval)."""
-        z = (2 * singular - self.start - self.stop) / (self.stop - self.start)
-        root = np.sqrt(z - 1) * np.sqrt(z + 1)
-        return np.asarray(np.abs(z + root) < _ELLIPSE)
-
 
 #: Powers of u with a logarithm on the infinite panel: by u_y above a ground; where potentials grow like log X.
 LEVEL, GROWING = (2,), (0, 1, 2)
@@ -221,9 +215,10 @@ class Grid:
 
     def rough_at(self, X: Array, strip: float) -> BoolArray:
         """Mark intervals whose rule is inaccurate for kernels singular at X +- i strip; (point, interval)."""
-        theta = np.arccosh(X + 1j * strip)[:, None]
-        infinite = self.rules.panel == self.panels - 1
-        return self.rules.rough(np.where(infinite, np.exp(-theta), theta))
+        rules, theta = self.rules, np.arccosh(X + 1j * strip)[:, None]
+        singular = np.where(rules.panel == self.panels - 1, np.exp(-theta), theta)
+        z = (2 * singular - rules.start - rules.stop) / (rules.stop - rules.start)
+        return np.asarray(np.abs(z + np.sqrt(z - 1) * np.sqrt(z + 1)) < _ELLIPSE)
 
     def slice(self, panel: int) -> slice:
         """Indices of the nodes of a panel."""

@@ -493,9 +493,9 @@ def _renew(chords: list[Factored | None], cases: Indices, states: GapStates, mem
             chords[case] = chord
 
 
-def continued(states: _State, near: Settled[_State]) -> Settled[_State]:
+def continued(states: _State, near: Settled[_State], slow: float = _SLOW_HELD) -> Settled[_State]:
     """Solve ``states`` from solved contacts, and from contacts without air where that fails."""
-    return _retried(iterated(states.with_unknowns(near.states.unknowns), near.chords, _SLOW_HELD), states)
+    return _retried(iterated(states.with_unknowns(near.states.unknowns), near.chords, slow), states)
 
 
 def _retried(result: Settled[_State], states: _State) -> Settled[_State]:
@@ -529,32 +529,23 @@ def settled(states: _State, parameters: Array) -> Settled[_State]:
 
     parameters: (case, parameter), logarithms of the cases' parameters, the size first.
     """
-    count = len(parameters)
-    if count == 1:
-        return _from_airless(states)
-    unknowns, converged = np.array(states.unknowns), np.zeros(count, dtype=bool)
-    chords: list[Factored | None] = [None] * count
-    valid = np.zeros(count, dtype=bool)
-
-    def put(cases: Indices, result: Settled[_State]) -> None:
-        unknowns[cases], converged[cases], valid[cases] = result.states.unknowns, result.converged, result.valid
-        for case, chord in zip(cases.tolist(), result.chords, strict=True):
-            chords[case] = chord
-
-    order = np.argsort(parameters[:, 0], kind="stable")
-    is_first = np.arange(count) % _EVERY == 0
-    for cases in (order[is_first], order[~is_first]):
-        part, known = states.part(cases), np.flatnonzero(valid)
-        parents = np.full(cases.size, -1)
-        if known.size:
-            distance = np.max(np.abs(parameters[cases][:, None] - parameters[known]), 2)
-            nearest = np.argmin(distance, 1)
-            parents = np.where(np.min(distance, 1) < _NEAR, known[nearest], -1)
-        near, far = np.flatnonzero(parents >= 0), np.flatnonzero(parents < 0)
-        if near.size:
-            start = part.part(near)
-            result = iterated(start.with_unknowns(unknowns[parents[near]]), _known(chords, parents[near]))
-            put(cases[near], _retried(result, start))
-        if far.size:
-            put(cases[far], _from_airless(part.part(far)))
-    return Settled(states.with_unknowns(unknowns), _known(chords, np.arange(count)), converged)
+    order, is_first = np.argsort(parameters[:, 0], kind="stable"), np.arange(len(parameters)) % _EVERY == 0
+    first, others = order[is_first], order[~is_first]
+    parents = _from_airless(states.part(first))
+    parts = [(first, parents)]
+    # distances to parents, infinite from those that failed
+    distance = np.max(np.abs(parameters[others][:, None] - parameters[first]), 2)
+    distance[:, ~parents.valid] = np.inf
+    is_near, nearest = np.min(distance, 1) < _NEAR, np.argmin(distance, 1)
+    if np.any(is_near):
+        cases, near = others[is_near], parents.part(nearest[is_near])
+        parts.append((cases, continued(states.part(cases), near, _SLOW)))
+    if not np.all(is_near):
+        cases = others[~is_near]
+        parts.append((cases, _from_airless(states.part(cases))))
+    cases, results = np.concatenate([cases for cases, _ in parts]), [result for _, result in parts]
+    unknowns, converged = np.empty_like(states.unknowns), np.empty(cases.size, dtype=bool)
+    unknowns[cases] = np.concatenate([result.states.unknowns for result in results])
+    converged[cases] = np.concatenate([result.converged for result in results])
+    chords = dict(zip(cases.tolist(), [chord for result in results for chord in result.chords], strict=True))
+    return Settled(states.with_unknowns(unknowns), [chords[case] for case in range(cases.size)], converged)

@@ -7,7 +7,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, BoolArray, joined
+from solver.arrays import Array, joined
 from solver.cache import cached
 from solver.gap.airpoint import PointStates
 from solver.gap.grid import peak_of_panels
@@ -45,9 +45,8 @@ def quantities(pressed: Pressed, permittivity: Array, end: Array, rim: Rim | Non
     if rim is not None and isinstance(pressed.body, Film):
         require_thin(pressed.body.kind.film)
     points, count = AirPoints(pressed, permittivity, end), pressed.force.size
-    charged, no_charges = points.solved(pressed.charged), np.zeros((count, 2))
-    is_charged = bool(np.any(pressed.charged.pressed.charges))
-    uncharged = points.solved(pressed.uncharged, no_charges) if is_charged else charged
+    charged, no_charges = points.solved(pressed.charged, pressed.charges), np.zeros((count, 2))
+    uncharged = points.solved(pressed.uncharged, no_charges) if np.any(pressed.charges) else charged
     grounded = [group for groups in uncharged for group in points.grounded(*groups)]
     whole = joined([(cases, points.of_contacts(cases, result, rim)) for cases, result in charged], count)
     whole |= joined([(cases, points.of_uncharged(cases, result)) for cases, result in uncharged], count)
@@ -64,10 +63,6 @@ class AirPoints:
     permittivity: Array  # Relative permittivity of the gas in the gaps; (case,)
     end: Array  # Distance at which the gaps end [m]; (case,)
 
-    @property
-    def _conducts(self) -> BoolArray:
-        return np.broadcast_to(self.pressed.conducts, (self.pressed.force.size, 2))
-
     @cached_property
     def length(self) -> Array:
         """Length of the body, the thickness of a film [m]; (case,)."""
@@ -79,16 +74,19 @@ class AirPoints:
         """Permittivity and permeability of the gas in the gaps; (case, 2)."""
         return np.stack(np.broadcast_arrays(VACUUM_PERMITTIVITY * self.permittivity, VACUUM_PERMEABILITY), 1)
 
+    @property
+    def _airless_radii(self) -> Array:
+        """Radii of the contacts without air, with charges, without and at zero potentials [m]; (3, case)."""
+        return np.stack([self.pressed.charged.radius, self.pressed.uncharged.radius, self.pressed.grounded.radius])
+
     @cached_property
     def _reaches(self) -> Array:
-        contacts = self.pressed.charged, self.pressed.uncharged, self.pressed.grounded
-        radii = np.min([contact.radius for contact in contacts], 0)
-        return np.array([reach_of(*pair) for pair in zip(radii.tolist(), self.end.tolist(), strict=True)])
+        narrowest = np.min(self._airless_radii, 0).tolist()
+        return np.array([reach_of(*pair) for pair in zip(narrowest, self.end.tolist(), strict=True)])
 
     @cached_property
     def _crowded(self) -> set[int]:
-        contacts = self.pressed.charged, self.pressed.uncharged, self.pressed.grounded
-        return crowded(np.concatenate([contact.radius / self.length for contact in contacts]))
+        return crowded((self._airless_radii / self.length).ravel())
 
     def _table(self, case: int, ratio: float, *, wide: bool = False) -> RingTable:
         """Operators of a case near a ratio of radius to length, or over a wider range."""
@@ -96,22 +94,22 @@ class AirPoints:
         if isinstance(body, Film):
             wide = wide or int(number_of(np.array([ratio]))[0]) in self._crowded
             return film_table(body.kind, reach, ends_of(ratio, wide=wide))
-        fields = tuple(np.flatnonzero(self._conducts[case]).tolist())
+        conducts = np.broadcast_to(self.pressed.conducts, self.pressed.charges.shape)[case]
+        fields = tuple(np.flatnonzero(conducts).tolist())
         return _on_half_space(tuple(body.compliance[case].ravel().tolist()), fields, body.shape, reach)
 
     def _states(self, cases: Indices, table: RingTable, radius: Array, charges: Array | None) -> PointStates:
         """Contacts without air under charges (case, 2) [C, Wb], or at zero potentials if None."""
         length, units = self.length[cases], self.pressed.units[cases]
-        fields, e = list(table.exact.fields), table.exact.shape.exponent
-        unknowns = np.zeros((cases.size, 1 + len(fields) + 1 + len(fields) * table.exact.rows.nodes))
+        layout, fields, e = table.exact.layout, list(table.exact.fields), table.exact.shape.exponent
+        unknowns = np.zeros((cases.size, layout.columns))  # log a takes the place of the profile g
         unknowns[:, 0] = np.log(radius)
         field_units = units[:, [1 + f for f in fields]]
         prescribed = np.zeros_like(field_units)
         if charges is not None:
             prescribed = charges[cases][:, fields] * field_units / length[:, None] ** 2
-        rows = table.exact.rows
         outputs, distance = table.outputs.solving, table.exact.rings.grid.distance
-        frame = Frame(outputs, rows.edges.stop, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
+        frame = Frame(outputs, layout.edges.stop, table.exact.fields, distance, 1, 1, 2, "force", "r/a")
         return PointStates(
             frame, unknowns, (charges is None,) * len(fields), table,
             self.pressed.coefficient[cases] / units[:, 0] * length ** (e - 1),
@@ -119,9 +117,8 @@ class AirPoints:
             self.medium[cases][:, fields] * field_units**2 / units[:, :1], self.end[cases] / length,
         )  # fmt: skip
 
-    def solved(self, contact: PointContact, charges: Array | None = None) -> list[_Group]:
-        """Solutions under ``charges`` [C, Wb], by default those of the contacts without air from which they start."""
-        charges = contact.pressed.charges if charges is None else charges
+    def solved(self, contact: PointContact, charges: Array) -> list[_Group]:
+        """Solutions under ``charges`` (case, 2) [C, Wb], from contacts without air."""
         ratio, groups = contact.radius / self.length, list[_Group]()
         by_table: dict[int, tuple[RingTable, list[int]]] = {}
         for case in np.argsort(ratio, kind="stable").tolist():  # cases of similar radius share tables
@@ -187,8 +184,7 @@ class AirPoints:
         port, displacement = Stiffness.of(self._compliance(cases, result)), states.response.values * units
         size, bounded = states.size / states.radius, finite(states.operators.shape)
         inside = states.table.outputs.reported.at(states.unknowns[:, 0]).times(states.columns[..., None])[0, ..., 0]
-        slid = [self.slid(*pair) for pair in _solutions(cases, states)]
-        sliding = [solution for solution in slid if solution is not None]
+        sliding = [slid for pair in _solutions(cases, states) if (slid := self.slid(*pair))]
         out = {
             "contact_radius": length * states.radius,
             "depth": -displacement[:, 0] * length,
@@ -196,7 +192,7 @@ class AirPoints:
             "contact_stiffness_open": port.open,
         }
         if bounded:
-            out["peak_pressure"] = largest_within(slid, None, _peak_pressure(inside)) * size / units[:, 0]
+            out["peak_pressure"] = largest_within(sliding, None, _peak_pressure(inside)) * size / units[:, 0]
         if sliding:
             out["contact_offset"] = np.array([solution.shift for solution in sliding]) * out["contact_radius"]
             out[_REACH] = np.array([solution.reach for solution in sliding])
@@ -213,10 +209,10 @@ class AirPoints:
             out[names[5]] = fixed[:, row, row] * length / units[:, j] ** 2
             if field == 0:
                 out["capacitance_at_force"] = port.capacitance(j)
-                out["gap_field"] = largest_exterior(states, slid, row, gap=True) * density / self.medium[cases, 0]
+                out["gap_field"] = largest_exterior(states, sliding, row, gap=True) * density / self.medium[cases, 0]
                 if bounded:
-                    within = largest_within(slid, field, _peak_within(inside, row))
-                    exterior = largest_exterior(states, slid, row, gap=False)
+                    within = largest_within(sliding, field, _peak_within(inside, row))
+                    exterior = largest_exterior(states, sliding, row, gap=False)
                     out["peak_displacement"] = np.maximum(within, exterior) * density
         return out
 
@@ -227,6 +223,21 @@ class AirPoints:
             return None
         layers = shear_kernel(body.kind.film) if isinstance(body, Film) else None
         return SlidingPoint(solution, float(friction.coefficient[case]), friction.coupling[case], layers)
+
+    # -- fields --------------------------------------------------------------------------------------------------------
+    def solutions(self) -> Iterator[tuple[int, SolvedPoint]]:
+        """Yield every case with its solution under its charges."""
+        for cases, result in self.solved(self.pressed.charged, self.pressed.charges):
+            yield from _solutions(cases, result.require().states)
+
+    def tractions(self, case: int, solution: SolvedPoint) -> AirPointTractions:
+        """Tractions on the whole surface, in the units of the body."""
+        ratio = solution.radius if isinstance(self.pressed.body, Film) else 1.0
+        return (self.slid(case, solution) or solution).tractions(ratio)
+
+    def radius(self, case: int, solution: SolvedPoint) -> float:
+        """Contact radius [m]."""
+        return solution.radius * float(self.length[case])
 
 
 def _solutions(cases: Indices, states: PointStates) -> Iterator[tuple[int, SolvedPoint]]:
@@ -270,22 +281,6 @@ def _peak_within(inside: Array, row: int) -> Array:
 _FIELDS = ("contact_pressure", "electric_displacement", "magnetic_induction")
 
 
-@dataclass(frozen=True, eq=False)
-class _FieldCase:
-    """Solution of one case, with its units."""
-
-    at_rest: SolvedPoint
-    slid: SlidingPoint | None  # None: without friction
-    units: Array  # Units of (y, phi, psi); (3,)
-    radius: float  # Contact radius [m]
-    length: float  # Unit of the body's lengths [m]
-
-    @property
-    def tractions(self) -> AirPointTractions:
-        """Tractions on the whole surface, in the units of the body."""
-        return (self.slid or self.at_rest).tractions(self.radius / self.length)
-
-
 def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) -> dict[str, Array]:
     """Surface tractions by the names of ``solver.fields.POINT_FIELDS`` at r/a, SI; (case, position) each."""
     if not finite(pressed.body.shape) and np.any(positions == 0):
@@ -293,8 +288,8 @@ def fields(pressed: Pressed, permittivity: Array, end: Array, positions: Array) 
             f"positions: the pressure of r^{pressed.body.shape.exponent:g} is infinite at 0; leave 0 out"
         )
     result = np.empty((pressed.force.size, 3, positions.size))
-    for number, case in _solved_cases(pressed, permittivity, end):
-        result[number] = case.at_rest.surface_tractions(positions) / case.units[:, None]
+    for case, solution in AirPoints(pressed, permittivity, end).solutions():
+        result[case] = solution.surface_tractions(positions) / pressed.units[case][:, None]
     result[:, 0] = 0.0 - result[:, 0]
     return {name: result[:, number] for number, name in enumerate(_FIELDS)}
 
@@ -305,27 +300,19 @@ def inside(
     """Fields of ``solver.halfplane.interior.LINEAR`` and potentials, SI, NaN in a rigid base; (case, field, y, x)."""
     out = np.empty((pressed.force.size, len(names), y.size, x.size))
     potentials = [number for number, name in enumerate(names) if name in POTENTIALS]
-    for number, case in _solved_cases(pressed, permittivity, end):
-        out[number] = body.fields(case.tractions, x, y, names)[0]
-        out[number, potentials] *= case.length
+    points = AirPoints(pressed, permittivity, end)
+    for case, solution in points.solutions():
+        tractions = points.tractions(case, solution)
+        out[case] = body.fields(tractions, x, y, names)[0]
+        out[case, potentials] *= points.radius(case, solution) / tractions.ratio
     return out
 
 
 def peaks(pressed: Pressed, permittivity: Array, end: Array, body: Inside, names: Set[str]) -> dict[str, Array]:
     """Requested quantities of ``solver.names.PEAKS`` or ``FILM_PEAKS`` that the cases have; (case,) each."""
-    parts = [
-        (np.array([number]), peaks_of(body, case.tractions, np.array([case.radius]), names))
-        for number, case in _solved_cases(pressed, permittivity, end)
-    ]
-    return joined(parts, pressed.force.size)
-
-
-def _solved_cases(pressed: Pressed, permittivity: Array, end: Array) -> Iterator[tuple[int, _FieldCase]]:
-    """Yield the number of every case with its solution."""
     points = AirPoints(pressed, permittivity, end)
-    for cases, result in points.solved(pressed.charged):
-        for number, solution in _solutions(cases, result.require().states):
-            radius = solution.radius * float(points.length[number])
-            length = float(points.length[number]) if isinstance(pressed.body, Film) else radius
-            slid = points.slid(number, solution)
-            yield number, _FieldCase(solution, slid, pressed.units[number], radius, length)
+    parts = []
+    for case, solution in points.solutions():
+        radius = np.array([points.radius(case, solution)])
+        parts.append((np.array([case]), peaks_of(body, points.tractions(case, solution), radius, names)))
+    return joined(parts, pressed.force.size)

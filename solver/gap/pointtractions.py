@@ -47,18 +47,12 @@ class AirPointTractions(Tractions):
 
     def transforms(self, phases: Array, columns: Indices) -> tuple[Array, Array | None]:
         """Hankel transforms at phases k a (k,), at rest and of cos(angle); (k, 4, 1) each."""
-        rule = hankel.nodes(parts=hankel.parts(phases), kinked=self.kinked)
-        first, second = super().vectors(rule.b, columns)
-        spectrum = self.exterior_charges.spectrum(float(np.max(phases))).values(phases)
-        cosines = np.cos(phases[:, None] * rule.b) * rule.weights
-        plain = cosines @ first[0].T
-        plain[:, 2:] += spectrum.real.T
-        if second is None:
-            return plain[..., None], None
-        sines = np.sin(phases[:, None] * rule.b) * rule.weights
-        turned = np.concatenate([cosines @ second[0, :1].T, sines @ second[0, 1:].T], 1)
-        turned[:, 2:] -= spectrum.imag.T
-        return plain[..., None], turned[..., None]
+        plain, turned = super().transforms(phases, columns)  # of the densities below the contact
+        spectrum = self.exterior_charges.spectrum(float(np.max(phases))).values(phases).T
+        plain[:, 2:, 0] += spectrum.real
+        if turned is not None:
+            turned[:, 2:, 0] -= spectrum.imag
+        return plain, turned
 
     def wavenumbers(self, stack: Stack, reach: float, width: float) -> tuple[Array, Array]:
         """Wavenumbers and weights; distant charges extend the range of long waves only."""
@@ -121,7 +115,7 @@ class SolvedPoint:
         S = self.over_size @ rings.abel.T
         odd = np.zeros_like(S) if turned is None else turned @ rings.turned.abel.T
         sides = np.zeros((2, 2, grid.count))
-        sides[:, list(self.operators.rows.fields)] = np.stack([S + odd, S - odd]) / grid.size * (unit / np.pi)
+        sides[:, list(self.operators.layout.fields)] = np.stack([S + odd, S - odd]) / grid.size * (unit / np.pi)
         return AirPointTractions(np.array([ratio]), density, np.zeros(1), exterior_charges=Charges(grid, sides))
 
     def surface_tractions(self, r: Array) -> Array:
@@ -132,7 +126,7 @@ class SolvedPoint:
         result = np.zeros((3, r.size))
         x = np.sqrt((1 - inner) * (1 + inner))
         result[:, within] = self.bounded(inner, rings.poisson(x)) + self._edge_strengths[:, None] / x
-        for field_, over_size in zip(self.operators.rows.fields, self.over_size, strict=True):
+        for field_, over_size in zip(self.operators.layout.fields, self.over_size, strict=True):
             result[1 + field_, ~within] = rings.interpolation(distance[~within]) @ over_size
         return result * self.unit
 
@@ -155,5 +149,5 @@ class SolvedPoint:
     def _expanded(self, values: Array) -> Array:
         """Expand values of the channels to those of (y, phi, psi), others 0; (3, ...)."""
         result = np.zeros((3, *values.shape[1:]))
-        result[self.operators.rows.channels] = values
+        result[self.operators.layout.channels] = values
         return result

@@ -85,7 +85,7 @@ X_WITHIN = np.append(gauss(np.array(_ENDS), WITHIN)[0], 1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class Layout:
     """Layout of the operator matrix: outputs by row, causes and charge densities by column.
 
     Rows: loads, edges, exterior (u_y, phi, psi) less those at the edge, pressures at ``SAMPLES``, densities of each
@@ -94,16 +94,12 @@ class Rows:
 
     fields: tuple[int, ...]  # Conducted fields, 0 electric and 1 magnetic
     nodes: int  # Number of exterior nodes
+    causes: int  # Number of causes, at rest u0 of every channel, then g
 
     @cached_property
     def channels(self) -> list[int]:
         """Indices of y and of the conducted fields' potentials among (y, phi, psi)."""
         return [0, *(1 + f for f in self.fields)]
-
-    @cached_property
-    def causes(self) -> int:
-        """Number of causes: u0 of every channel, then g."""
-        return len(self.fields) + 2
 
     @cached_property
     def columns(self) -> int:
@@ -137,15 +133,15 @@ class RingOperators:
     width: float = np.inf  # Distance over which the layers' kernels vary
 
     @cached_property
-    def rows(self) -> Rows:
+    def layout(self) -> Layout:
         """Layout of the matrix."""
-        return Rows(self.fields, self.rings.grid.count)
+        return Layout(self.fields, self.rings.grid.count, len(self.fields) + 2)
 
     def matrix(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
-        rows = self.rows
+        layout = self.layout
         below = ContactRule.of(radius / self.width)
-        count, profile, inverse = below.nodes.size, rows.causes - 1, self.inverse
+        count, profile, inverse = below.nodes.size, layout.causes - 1, self.inverse
         closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
         S, by_layers = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - by_layers[:, count])
@@ -159,11 +155,11 @@ class RingOperators:
         coefficients = below.series @ S
         pressure = -added_forms(SAMPLES, count) @ coefficients[0]
         pressure[:, profile] += inverse[0, 0] * self._form(SAMPLES)
-        parts = [loads, edge, exterior.reshape(-1, rows.columns), pressure]
+        parts = [loads, edge, exterior.reshape(-1, layout.columns), pressure]
         for row in range(len(self.fields)):
-            loads[1 + row, rows.densities(row)] += 4 * self.rings.totals
+            loads[1 + row, layout.densities(row)] += 4 * self.rings.totals
             within = added_forms(X_WITHIN, count) @ coefficients[1 + row]
-            within[:, rows.densities(row)] += _induced_within(self.rings)
+            within[:, layout.densities(row)] += _induced_within(self.rings)
             within[:, profile] -= inverse[1 + row, 0] * self._form(X_WITHIN)
             parts.append(within)
         return np.concatenate(parts)
@@ -178,7 +174,7 @@ class RingOperators:
         below = ContactRule.of(radius / self.width)
         closed = np.einsum("ij,jnc->inc", self.inverse, self._prescribed(below.nodes))
         S = self._layered(radius, below, closed, np.zeros(0))[0]
-        closed[..., self.rows.causes - 1] = self.inverse[:, :1] * self.shape.rise
+        closed[..., self.layout.causes - 1] = self.inverse[:, :1] * self.shape.rise
         return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
 
     def _form(self, x: Array) -> Array:
@@ -187,25 +183,25 @@ class RingOperators:
 
     def _layered(self, radius: float, below: ContactRule, closed: Array, exterior: Array) -> tuple[Array, Array]:
         """Layers' part of S at ``below``, and of N S there, at the edge and at ``exterior``; (channel, s, column)."""
-        rows, count = self.rows, below.nodes.size
-        by_layers = np.zeros((len(rows.channels), count + 1 + exterior.size, rows.columns))
+        layout, count = self.layout, below.nodes.size
+        by_layers = np.zeros((len(layout.channels), count + 1 + exterior.size, layout.columns))
         if self.layers is None:
             return np.zeros_like(closed), by_layers
         targets = np.concatenate([below.nodes, [1.0], exterior])
         for row, by_density in enumerate(self.from_exterior(radius, targets)):
-            by_layers[..., rows.densities(row)] = by_density
+            by_layers[..., layout.densities(row)] = by_density
         kernels = self.within(radius, targets, below)
         by_layers += summed(kernels, closed)
         if self.shape.exponent % 2:  # the profile is not even; what the layers add is
             fine = ContactRule.of(radius / self.width, even=False)
-            power = self.inverse[:, :1] * self._prescribed(fine.nodes)[0, :, rows.causes - 1]
-            by_layers[..., rows.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
+            power = self.inverse[:, :1] * self._prescribed(fine.nodes)[0, :, layout.causes - 1]
+            by_layers[..., layout.causes - 1] = np.einsum("ijtn,jn->it", self.within(radius, targets, fine), power)
         return self.balanced(kernels, by_layers)
 
     def exterior_chi(self, by_layers: Array, edges: Array) -> Array:
         """Return chi at the exterior nodes less chi at the edge; (channel, n, column)."""
         # by_layers: (channel, 1 + n, column), the edge first; edges: (channel, column), S within; densities come last
-        nodes, fields = self.rows.nodes, len(self.fields)
+        nodes, fields = self.layout.nodes, len(self.fields)
         S = np.repeat(-edges[:, None], nodes, axis=1)
         densities = S[..., edges.shape[1] - fields * nodes :].reshape(1 + fields, nodes, fields, nodes)
         for row in range(fields):
@@ -231,22 +227,22 @@ class RingOperators:
     @property
     def channel_compliance(self) -> Array:
         """N of the channels; (channel, channel)."""
-        return self.compliance[np.ix_(self.rows.channels, self.rows.channels)]
+        return self.compliance[np.ix_(self.layout.channels, self.layout.channels)]
 
     def _prescribed(self, nodes: Array) -> Array:
         """Return chi below the contact; (channel, node, column)."""
-        rows = self.rows
-        result = np.zeros((len(rows.channels), nodes.size, rows.columns))
-        for channel in range(len(rows.channels)):
+        layout = self.layout
+        result = np.zeros((len(layout.channels), nodes.size, layout.columns))
+        for channel in range(len(layout.channels)):
             result[channel, :, channel] = 1.0
-        result[0, :, rows.causes - 1] = self.shape.rise * nodes**self.shape.exponent
+        result[0, :, layout.causes - 1] = self.shape.rise * nodes**self.shape.exponent
         return result
 
     @cached_property
     def _pairs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Pairs of (y, phi, psi) that the channels use, and the pair's index for each two channels."""
-        used, index = np.unique(CHANNEL[np.ix_(self.rows.channels, self.rows.channels)], return_inverse=True)
-        return used, index.reshape(2 * (len(self.rows.channels),))
+        used, index = np.unique(CHANNEL[np.ix_(self.layout.channels, self.layout.channels)], return_inverse=True)
+        return used, index.reshape(2 * (len(self.layout.channels),))
 
     @cached_property
     def _pair_kernels(self) -> SurfaceKernel:
@@ -318,8 +314,8 @@ class RingTable:
         """Outputs at the interval's points; pressures and densities below the contact are only reported."""
         log_radii = np.zeros(1) if self.interval is None else self.interval.points
         result = np.stack([self.exact.matrix(float(np.exp(log_radius))) for log_radius in log_radii])
-        rows = self.exact.rows
-        return SplitOutputs.of(result, rows.edges.stop + len(rows.channels) * rows.nodes, self.interval)
+        layout = self.exact.layout
+        return SplitOutputs.of(result, layout.edges.stop + len(layout.channels) * layout.nodes, self.interval)
 
     def holds(self, log_radii: Array) -> BoolArray:
         """Return True for each radius within the table; (case,)."""

@@ -14,7 +14,7 @@ from solver.gap.airpoint import PointStates
 from solver.gap.grid import gauss, peak_of_panels
 from solver.gap.newton import solved
 from solver.gap.pointtractions import AirPointTractions, SolvedPoint
-from solver.gap.ringoperators import ContactRule, RingOperators, Rows, summed
+from solver.gap.ringoperators import ContactRule, Layout, RingOperators, summed
 from solver.gap.rings import Rings
 from solver.point import hankel
 from solver.point.body import Film, HalfSpace
@@ -68,14 +68,15 @@ class SlidingPoint:
         """Operators of fields that vary as cos(angle)."""
         return replace(self.at_rest.operators, rings=self.at_rest.operators.rings.turned)
 
-    @property
-    def _rows(self) -> Rows:
-        return self._operators.rows
+    @cached_property
+    def _layout(self) -> Layout:
+        """Layout of the columns: shift and friction, then the densities."""
+        return replace(self._operators.layout, causes=CAUSES)
 
     @property
     def _conducted(self) -> list[int]:
         """Indices of the conducted fields among (sigma_yy, D_y, B_y)."""
-        return self._rows.channels[1:]
+        return self._layout.channels[1:]
 
     @property
     def rings(self) -> Rings:
@@ -83,14 +84,6 @@ class SlidingPoint:
         return self._operators.rings
 
     # -- columns -------------------------------------------------------------------------------------------------------
-    @property
-    def _columns(self) -> int:
-        return CAUSES + len(self._rows.fields) * self._rows.nodes
-
-    def _density_columns(self, row: int) -> slice:
-        """Columns of the densities of the conducted field number ``row``."""
-        return slice(CAUSES + row * self._rows.nodes, CAUSES + (row + 1) * self._rows.nodes)
-
     @cached_property
     def _below(self) -> ContactRule:
         """Quadrature below the contact."""
@@ -100,10 +93,10 @@ class SlidingPoint:
     def _exterior(self) -> tuple[Array, Array]:
         """S just within the edge, (channel, column), and exterior u_y less profile, phi, psi, (channel, n, column)."""
         count, rings, pressed = self._below.nodes.size, self.rings, self.at_rest.density
-        coupling, exponent = self.response.coupling[self._rows.channels] * np.pi / 2, self.response.shape.exponent
+        coupling, exponent = self.response.coupling[self._layout.channels] * np.pi / 2, self.response.shape.exponent
         edge_chi = exponent * self.response.shape.rise  # of the shifted profile
         by_layers = self._layered[1]
-        chi = np.zeros((len(self._rows.channels), self._columns))
+        chi = np.zeros((len(self._layout.channels), self._layout.columns))
         chi[0, SHIFT] = edge_chi
         chi[:, FRICTION] = -coupling * pressed.hilbert(_EDGE)[0, 0, 0]
         edges = self._operators.inverse @ (chi - by_layers[:, count])
@@ -118,11 +111,11 @@ class SlidingPoint:
         """Layers' part of S at ``_below`` and of N S there, at the edge and exterior nodes; (channel, node, column)."""
         radius, below, operators = self.at_rest.radius, self._below, self._operators
         targets = np.concatenate([below.nodes, _EDGE, self.rings.grid.distance])
-        by_layers = np.zeros((len(self._rows.channels), targets.size, self._columns))
+        by_layers = np.zeros((len(self._layout.channels), targets.size, self._layout.columns))
         if self.shear_layers is None:
             return by_layers[:, : below.nodes.size], by_layers
         for row, by_density in enumerate(operators.from_exterior(radius, targets)):
-            by_layers[..., self._density_columns(row)] = by_density
+            by_layers[..., self._layout.densities(row)] = by_density
         graded = below.graded
         by_layers[..., :CAUSES] = summed(operators.within(radius, targets, graded), self._closed(graded.nodes))
         by_layers[..., FRICTION] += self._by_shear(radius, targets, graded)
@@ -135,7 +128,7 @@ class SlidingPoint:
             by_shift[:, None] * s ** (self.response.shape.exponent - 1),
             -by_friction[:, None] * self.at_rest.density.hilbert(s)[0, 0],
         ]
-        return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._rows.channels])
+        return np.asarray(np.pi / 2 * np.stack(columns, -1)[self._layout.channels])
 
     def _by_shear(self, radius: float, targets: Array, rule: ContactRule) -> Array:
         """Layers' part of chi at ``targets`` that the shear traction causes; (channel, target)."""
@@ -144,26 +137,28 @@ class SlidingPoint:
         distance = targets[:, None] - rule.nodes
         kernels = np.sign(distance)[..., None] * self.shear_layers.at(radius * np.abs(distance))
         kernels += self.shear_layers.at(radius * (targets[:, None] + rule.nodes))
-        return np.asarray(np.einsum("tbi,b->it", kernels, weights)[self._rows.channels])
+        return np.asarray(np.einsum("tbi,b->it", kernels, weights)[self._layout.channels])
 
     # -- solution ------------------------------------------------------------------------------------------------------
     @cached_property
     def _weights(self) -> Array:
-        """Sizes of the columns per unit of friction, from the smooth edge and the gap's law (P8.5); (column,)."""
-        state, rows, profile = self.at_rest, self._rows, self.at_rest.operators.profile
+        """Sizes of the columns, from the smooth edge and the gap's law (P8.5), zero without friction; (column,)."""
+        if not self.friction:
+            return np.zeros(self._layout.columns)
+        state, layout, profile = self.at_rest, self._layout, self.at_rest.operators.profile
         edges, displaced = self._exterior
-        law = np.empty((1 + len(rows.fields) * rows.nodes, self._columns))
+        law = np.empty((layout.columns - 1, layout.columns))  # friction is given
         law[0] = edges[0]
         for row, at_rest in enumerate(state.over_size):
-            field_law = law[1 + row * rows.nodes : 1 + (row + 1) * rows.nodes]
+            field_law = law[1 + row * layout.nodes : 1 + (row + 1) * layout.nodes]
             field_law[:] = -(at_rest / profile)[:, None] * displaced[0]
             field_law -= state.conductance[row, :, None] * displaced[1 + row]
             field_law[:, SHIFT] += at_rest * state.gap / profile * self._end_factor_rate
-            field_law[:, self._density_columns(row)][np.diag_indices(rows.nodes)] += state.gap / profile
-        unknown = np.delete(np.arange(law.shape[1]), FRICTION)
-        result = np.ones(law.shape[1])
-        result[unknown] = solved(law[:, unknown], -law[:, FRICTION])
-        return result
+            field_law[:, layout.densities(row)][np.diag_indices(layout.nodes)] += state.gap / profile
+        unknown = np.delete(np.arange(layout.columns), FRICTION)
+        per_friction = np.ones(layout.columns)
+        per_friction[unknown] = solved(law[:, unknown], -law[:, FRICTION])
+        return self.friction * per_friction
 
     @property
     def _end_factor_rate(self) -> Array:
@@ -173,13 +168,12 @@ class SlidingPoint:
     @property
     def shift(self) -> float:
         """Shift c of the contact over its radius."""
-        return float(self.friction * self._weights[SHIFT]) if self.friction else 0.0
+        return float(self._weights[SHIFT])
 
     @cached_property
     def over_size(self) -> Array:
         """D_y and B_y of cos(angle) at the nodes, over C a^(e-1) and over ``size``; (field, n)."""
-        densities = self.friction * self._weights[CAUSES:] if self.friction else np.zeros(self._columns - CAUSES)
-        return densities.reshape(len(self._rows.fields), self._rows.nodes)
+        return self._weights[CAUSES:].reshape(len(self._layout.fields), self._layout.nodes)
 
     @cached_property
     def exterior_densities(self) -> tuple[Array, Array]:
@@ -203,8 +197,8 @@ class SlidingPoint:
         if not self.friction:
             return np.zeros((3, 1))
         result = np.zeros((3, 2 * self._below.nodes.size))
-        S = self._layered[0] @ (self.friction * self._weights)
-        result[self._rows.channels] = S @ self._below.odd_series.T
+        S = self._layered[0] @ self._weights
+        result[self._layout.channels] = S @ self._below.odd_series.T
         return result
 
     def sines(self, b: Array) -> Array:
@@ -233,7 +227,7 @@ class SlidingPoint:
         at_rest = self.at_rest.bounded(ray.r, _induced_on_ray(self.at_rest.operators.rings, shape))[channel]
         if field is None:
             return np.stack([-at_rest, turned])
-        densities = self.over_size[self._rows.fields.index(field)]
+        densities = self.over_size[self._layout.fields.index(field)]
         edge = self.sines(_EDGE)[channel, 0]
         return np.stack([at_rest, edge * ray.x / ray.r - turned + _induced_on_ray(self.rings, shape) @ densities])
 
@@ -284,25 +278,24 @@ def _induced_moment(rings: Rings) -> Array:
     return np.asarray((weights * x * r**rings.order) @ rings.poisson(x) - of_edge)
 
 
-def largest_within(slid: Sequence[SlidingPoint | None], field: int | None, at_rest: Array) -> Array:
+def largest_within(slid: Sequence[SlidingPoint], field: int | None, at_rest: Array) -> Array:
     """Largest bounded abs(D_y) (0), abs(B_y) (1) or pressure (None) below contacts, over C a^(e-1); (case,)."""
     result, signs = np.array(at_rest), (1.0,) if field is None else (1.0, -1.0)
     for case, contact in enumerate(slid):
-        if contact is not None and contact.friction:
+        if contact.friction:
             along, ray = contact.along(field), ray_of(contact.at_rest.operators.shape)
             tops = (float(ray.top(*(sign * along[:, None]))[0]) for sign in signs)
             result[case] = max(result[case], *tops)  # the ray leaves out the apex of exponents below 2
     return result
 
 
-def largest_exterior(states: PointStates, slid: Sequence[SlidingPoint | None], row: int, *, gap: bool) -> Array:
+def largest_exterior(states: PointStates, slid: Sequence[SlidingPoint], row: int, *, gap: bool) -> Array:
     """Largest exterior density along the sliding direction, or eps0 E of the gap, over C a^(e-1); (case,)."""
     rings = states.rings
     at_rest = states.over_size[:, row] * rings.size / (states.end_factor if gap else 1.0)
-    flat = np.zeros(states.layout.nodes)
-    turned = np.stack([flat if contact is None else contact.exterior_densities[gap][row] for contact in slid])
-    sides = [(at_rest + sign * turned).reshape(len(slid), rings.grid.panels, -1)[:, :-1] for sign in (1.0, -1.0)]
-    return np.maximum(*(peak_of_panels(side) for side in sides))
+    turned = np.stack([contact.exterior_densities[gap][row] for contact in slid]) if slid else 0.0
+    sides = (side.reshape(len(at_rest), rings.grid.panels, -1) for side in (at_rest + turned, at_rest - turned))
+    return np.maximum(*(peak_of_panels(side[:, :-1]) for side in sides))
 
 
 def trailing_tension(slid: SlidingPoint, rim: Rim, body: HalfSpace | Film, units: Array) -> float:

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, BoolArray
+from solver.arrays import Array, BoolArray, selected
 from solver.line.table import LEAST, MOST, LengthsError
 from solver.line.windows import FIRST, LAST, beyond, number_of, searched
 from solver.point.profile import Shape
@@ -28,19 +28,19 @@ class PointLoading:
 
     coefficient: Array  # C of the profile C r^e; (case,)
     force: Array  # P; (case,)
-    prescribed: Array  # Charges (T, J), or potentials (V, Psi) where held; (case, 2)
-    held: tuple[bool, bool] = (False, False)  # Whether V and Psi are held
+    charges: Array  # T and J; zero if ``grounded``; (case, 2)
+    grounded: bool = False  # Whether V and Psi are held at zero
 
     def part(self, cases: Indices) -> "PointLoading":
         """Loading of some of the cases."""
-        return PointLoading(self.coefficient[cases], self.force[cases], self.prescribed[cases], self.held)
+        return selected(self, cases, "coefficient", "force", "charges")
 
     def state(self, stiffness: Stiffness, shape: Shape, radius: Array) -> PressedState:
-        """Contacts of given radii (case,) under the charges and potentials; only a disc's force is prescribed."""
+        """Contacts of given radii (case,) under the charges; only a disc's force is prescribed."""
         displacement = np.ones_like(radius) if shape.flat else self.coefficient * radius**shape.exponent
         load = displacement * radius
-        prescribed = np.where(self.held, self.prescribed / displacement[..., None], -self.prescribed / load[..., None])
-        return PressedState(stiffness, shape, prescribed, self.held, -self.force / load if shape.flat else None)
+        force = -self.force / load if shape.flat else None
+        return PressedState(stiffness, shape, -self.charges / load[..., None], self.grounded, force)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class HalfSpace:
 
     def radius(self, loading: PointLoading) -> Array:
         """Radii that carry the force, which grows as C a^(e+1); (case,)."""
-        grounded = PressedState(self.stiffness(loading.force), self.shape, np.zeros(2), (True, True))
+        grounded = PressedState(self.stiffness(loading.force), self.shape, np.zeros(2), grounded=True)
         force = grounded.loads[..., 0] * loading.coefficient
         return np.asarray((loading.force / force) ** (1 / (self.shape.exponent + 1)))
 
@@ -118,7 +118,7 @@ class Film:
 
     def _require_one(self, loading: PointLoading, radius: Array) -> None:
         """Refuse charges under which contacts of several radii carry the force."""
-        charged = np.flatnonzero(np.any(loading.prescribed != 0, -1))
+        charged = np.flatnonzero(np.any(loading.charges != 0, -1))
         numbers = number_of(radius / self.thickness)
         for number in np.unique(numbers[charged]).tolist():
             cases = charged[numbers[charged] == number]
@@ -167,8 +167,8 @@ class Search:
         """P and d log P / d log a at log (a/h); (case,) each."""
         radius = self.thickness * np.exp(log_ratio)
         size = self.loading.coefficient * radius ** (self.window.kind.shape.exponent + 1)
-        if not np.any(self.loading.prescribed):
-            force, rate = self.window.forces(log_ratio, self.loading.held)
+        if not np.any(self.loading.charges):
+            force, rate = self.window.forces(log_ratio, grounded=self.loading.grounded)
             return force * size, rate
         stiffness = self.window.kind.stiffness(self.window.read(log_ratio))
         state = self.loading.state(stiffness, self.window.kind.shape, radius)

@@ -41,15 +41,12 @@ class Pressed:
         """Units of (y, phi, psi); (case, 3)."""
         return np.broadcast_to(self.scale[..., 1:], (self.force.size, 3))
 
-    def contact(self, charges: Array | None = None, held: tuple[bool, bool] = (False, False)) -> "PointContact":
-        """Contacts under charges T [C] and J [Wb], or potentials V and Psi where held; (case, 2), zero by default."""
-        flat = self.body.shape.flat
-        prescribed = np.zeros((self.force.size, 2)) if charges is None else charges
-        units = self.units[:, 1:]
-        scaled = np.where(held, prescribed / units, prescribed * units)
-        loading = PointLoading(self.coefficient / self.units[:, 0], self.force * self.units[:, 0], scaled, held)
-        radius = self.coefficient if flat else self.body.radius(loading)
-        return PointContact(self, radius, loading.state(self.body.stiffness(radius), self.body.shape, radius))
+    def _contact(self, charges: Array, *, grounded: bool = False) -> "PointContact":
+        """Contacts under charges T [C] and J [Wb], (case, 2), or with both potentials held at zero."""
+        unit, shape = self.units[:, 0], self.body.shape
+        loading = PointLoading(self.coefficient / unit, self.force * unit, charges * self.units[:, 1:], grounded)
+        radius = self.coefficient if shape.flat else self.body.radius(loading)
+        return PointContact(self, radius, loading.state(self.body.stiffness(radius), shape, radius))
 
     @property
     def length(self) -> Array:
@@ -59,17 +56,17 @@ class Pressed:
     @cached_property
     def charged(self) -> "PointContact":
         """Contacts with the charges of the cases."""
-        return self.contact(self.charges)
+        return self._contact(self.charges)
 
     @cached_property
     def uncharged(self) -> "PointContact":
         """Contacts without charges."""
-        return self.contact() if np.any(self.charges) else self.charged
+        return self._contact(np.zeros_like(self.charges)) if np.any(self.charges) else self.charged
 
     @cached_property
     def grounded(self) -> "PointContact":
         """Contacts with both potentials held at zero."""
-        return self.contact(held=(True, True))
+        return self._contact(np.zeros_like(self.charges), grounded=True)
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,8 +49,7 @@ class Rubbed:
     @property
     def ratio(self) -> Array:
         """Contact radii over the unit of the body's lengths, 1 on half-spaces; (case,)."""
-        body = self.contact.pressed.body
-        return self.contact.radius / body.thickness if isinstance(body, Film) else np.ones_like(self.contact.radius)
+        return self.contact.radius / self.contact.pressed.length
 
     @property
     def tractions(self) -> Tractions:

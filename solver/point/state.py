@@ -41,12 +41,12 @@ def halfspace(compliance: Array, shape: Shape) -> Stiffness:
 
 @dataclass(frozen=True, eq=False)
 class PressedState:
-    """Contacts of given radii under charges or held potentials, over C a^e and C a^(e+1)."""
+    """Contacts of given radii under charges or at zero potentials, over C a^e and C a^(e+1)."""
 
     stiffness: Stiffness
     shape: Shape
-    prescribed: Array  # Charges over the load's unit, or potentials where held; (..., 2)
-    held: tuple[bool, bool] = (False, False)  # Whether the electric and the magnetic potential are held
+    charges: Array  # Over the load's unit; zero if ``grounded``; (..., 2)
+    grounded: bool = False  # Whether both potentials are held at zero
     force: Array | None = None  # -P of a disc over the load's unit; None: the edge is smooth
 
     @cached_property
@@ -56,16 +56,15 @@ class PressedState:
         rows = np.array(loads)
         if not self.shape.flat:
             rows[..., 0, :] = edges[..., 0, :]
-        for field, held in enumerate(self.held):
-            if held:
-                rows[..., 1 + field, :] = np.eye(4)[1 + field]
+        if self.grounded:
+            rows[..., 1:, :] = np.eye(4)[1:3]
         return rows
 
     @cached_property
     def displacement(self) -> Array:
         """Return u0 = (-depth, V, Psi) over C a^e; (..., 3)."""
-        normal = np.zeros(self.prescribed.shape[:-1]) if self.force is None else self.force
-        right = np.concatenate([normal[..., None], self.prescribed], -1) - self._profile * self._rows[..., 3]
+        normal = np.zeros(self.charges.shape[:-1]) if self.force is None else self.force
+        right = np.concatenate([normal[..., None], self.charges], -1) - self._profile * self._rows[..., 3]
         return np.asarray(np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0])
 
     @property
@@ -107,8 +106,8 @@ class PressedState:
 
     @cached_property
     def force_rate(self) -> Array:
-        """Return dP / d log a with the charges or potentials held, over C a^(e+1); (...). Not for a disc."""
-        right = -np.concatenate([self._opening[..., None], np.where(self.held, 0.0, self._released[..., 1:])], -1)
+        """Return dP / d log a at fixed charges or at zero potentials, over C a^(e+1); (...). Not for a disc."""
+        right = -np.concatenate([self._opening[..., None], np.where(self.grounded, 0.0, self._released[..., 1:])], -1)
         displacement_rates = np.linalg.solve(self._rows[..., :3], right[..., None])[..., 0]
         by_displacement = np.einsum("...j,...j->...", self.stiffness.loads[..., 0, :3], displacement_rates)
         return np.asarray(-by_displacement - self._released[..., 0])

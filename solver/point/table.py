@@ -114,22 +114,19 @@ class PointWindow:
         """Values of log a that bracket forces, the ends of the window among them; (rung,)."""
         return np.linspace(self.interval.low, self.interval.high, _RUNGS)
 
-    def forces(self, log_radius: Array, held: tuple[bool, bool]) -> tuple[Array, Array]:
-        """P over C a^(e+1), and d log P / d log a, at log (a/h), without charges or with held zero potentials."""
-        series, rates = self._forces[held]
+    def forces(self, log_radius: Array, *, grounded: bool) -> tuple[Array, Array]:
+        """P over C a^(e+1), and d log P / d log a, at log (a/h), without charges or at zero potentials."""
+        series, rates = self._forces[grounded]
         polynomials = self.interval.polynomials(log_radius)
         return np.exp(polynomials @ series), polynomials @ rates + self.kind.shape.exponent + 1
 
     @cached_property
-    def _forces(self) -> dict[tuple[bool, bool], tuple[Array, Array]]:
-        """Chebyshev coefficients of log P and of its derivative, by the held potentials."""
-        stiffness = self.kind.stiffness(self.read(self.nodes))
-        by_held: dict[tuple[bool, bool], tuple[Array, Array]] = {}
-        for held in ((False, False), (False, True), (True, False), (True, True)):
-            state = PressedState(stiffness, self.kind.shape, np.zeros((self.nodes.size, 2)), held)
-            series = coefficients(np.log(state.loads[..., 0]))
-            by_held[held] = series, self.interval.derived(series)
-        return by_held
+    def _forces(self) -> list[tuple[Array, Array]]:
+        """Chebyshev coefficients of log P and of its derivative, without charges and at zero potentials."""
+        stiffness, charges = self.kind.stiffness(self.read(self.nodes)), np.zeros((self.nodes.size, 2))
+        states = (PressedState(stiffness, self.kind.shape, charges, grounded) for grounded in (False, True))
+        series = (coefficients(np.log(state.loads[..., 0])) for state in states)
+        return [(log_force, self.interval.derived(log_force)) for log_force in series]
 
     def tractions(self, log_radius: Array, causes: Array) -> Array:
         """Layers' coefficients of the tractions of causes (u0, g), (case, 4), times a; (case, 3, n)."""

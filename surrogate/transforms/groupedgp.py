@@ -139,13 +139,11 @@ class GroupedGP(Transformed):
         self.calibration_ = self.reduced_.calibration_
         return self
 
-    def _narrowed(self, outputs: Sequence[str]) -> Self:
+    @override
+    def _narrowed(self, outputs: Sequence[str]) -> tuple[Self, Sequence[str]]:
         part = copy(self)
         part.grouping = self.grouping.only(outputs)
-        return part
-
-    def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        return {"reduced": outputs}
+        return part, outputs
 
     @override
     def thinned(self, errors: Mapping[str, float]) -> Self:
