@@ -43,7 +43,7 @@ LONGEST = (
     "tests/test_tutorials.py",
     "tests/verification/test_verification.py",
     "tests/workflow/design/test_costly.py",
-    "tests/surrogate/use/test_inversion.py",
+    "tests/surrogate/use/test_validation.py",
     "tests/workflow/design/test_question.py",
 )
 
