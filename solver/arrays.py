@@ -81,7 +81,7 @@ def selected(record: Record, cases: slice | Indices, *names: str) -> Record:
     return replace(record, **{name: values[cases] for name, values in arrays.items() if values is not None})
 
 
-def by_name(names: Sequence[str], values: Array) -> dict[str, Array]:
+def fields_by_name(names: Sequence[str], values: Array) -> dict[str, Array]:
     """Split fields (case, field, ...) into one array (case, ...) for each name."""
     return dict(zip(names, np.moveaxis(values, 1, 0), strict=True))
 

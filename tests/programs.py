@@ -52,13 +52,11 @@ class Command:
         self.folder, self.capsys = folder, capsys
 
     def file(self, name: str, text: str) -> Path:
-        """Write a file and return its path."""
         path = self.folder / name
         path.write_text(text, encoding="utf-8")
         return path
 
     def status(self, *words: str | Path) -> int:
-        """Exit status of a command."""
         from workflow.cli import main
 
         try:

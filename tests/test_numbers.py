@@ -45,7 +45,6 @@ LIMITS, FILMS, POINTS, HEAT = (
 
 
 def described(study: str) -> str:
-    """Description of a shipped study."""
     return " ".join(read_yaml(Path(ROOT / f"config/{study}.yaml"))["description"].split())
 
 
@@ -107,7 +106,6 @@ FIGURES = {
 
 @cache
 def solved(name: str, surroundings: str) -> xr.Dataset:
-    """Answer to one of the cases."""
     return solver.solve(CASES[name] | {"surroundings": surroundings})
 
 

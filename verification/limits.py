@@ -9,7 +9,7 @@ from solver.material.constants import ANY_SIZE
 from verification.cases import CHARGED, SIH_SONG, Array, constants
 from verification.findings import Check, Findings, Sizes, check, off, off_each
 from verification.oracles import precise
-from verification.oracles.surface_response import angular_integrals, surface_response
+from verification.oracles.surface_response import angular_integrals, reduced, surface_response
 
 X = np.array([-6.0, -1.5, -0.999, -0.4, 0.1, 0.6, 0.98, 1.2, 4.0])
 INSIDE = np.abs(X) < 1
@@ -96,18 +96,10 @@ def _flat(friction: float) -> float:
     """Largest relative error of the pressure under a flat punch."""
     case = {"material": SIH_SONG, "profile": "flat", "width": 4e-4, "load": 1e5, "friction": friction}
     out = solver.solve(case, X)
-    surface = surface_response(constants(solver.find(SIH_SONG)))
-    N, k = surface.normal_compliance, surface.shear_coupling
-    alpha = np.arctan2(1, -friction * np.linalg.solve(_unitless(N), _unitless(k)[:, 0])[0]) / np.pi
+    _, alpha = reduced(surface_response(constants(solver.find(SIH_SONG))), friction)
     inside = X[INSIDE]
     pressure = 1e5 * np.sin(np.pi * alpha) / (np.pi * 2e-4) * (1 - inside) ** (alpha - 1) * (1 + inside) ** -alpha
     return off_each(out.contact_pressure.values[INSIDE], pressure)
-
-
-def _unitless(values: Array) -> Array:
-    """Return N or k with potentials in 1e10 V and 1e8 A, so that all numbers are of one size."""
-    scale = 1 / np.array([1.0, 1e10, 1e8])
-    return scale[:, None] * values * scale if values.ndim == 2 else (scale * values)[:, None]
 
 
 def _uncoupled(field: int) -> float:

@@ -62,7 +62,7 @@ def of_output(described: Described, arrays: Mapping[str, xr.DataArray], kinds: S
     attrs = _of_body(described, arrays, kinds)
     line = any(kind.contact == "line" for kind in kinds)
     if described.on_punch and line and not set(OF_A_PUNCH).isdisjoint(arrays):
-        attrs["comment"] = "; ".join([*([attrs["comment"]] if "comment" in attrs else []), _PUNCH_DATUM])
+        attrs["comment"] = "; ".join(filter(None, [attrs.get("comment"), _PUNCH_DATUM]))
     return attrs
 
 

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, by_name, distinct_rows
+from solver.arrays import Array, distinct_rows, fields_by_name
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import reading_of
@@ -70,7 +70,7 @@ class OnFilm(Body):
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
         self._refuse_electroded("fields")
 
-        return self._of_groups(lambda *arguments: by_name(names, self._outputs.inside(*arguments)), x, y, names)
+        return self._of_groups(lambda *arguments: fields_by_name(names, self._outputs.inside(*arguments)), x, y, names)
 
     @property
     def _lacks_c12(self) -> str | None:

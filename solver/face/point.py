@@ -8,7 +8,7 @@ from math import prod
 import numpy as np
 
 from approximation.arrays import Indices
-from solver.arrays import Array, by_name, column, distinct_rows, outer
+from solver.arrays import Array, column, distinct_rows, fields_by_name, outer
 from solver.face.body import Body
 from solver.face.cases import Cases
 from solver.face.electrodes import reading_of
@@ -113,7 +113,7 @@ class OnPoints(Body):
     def _interior(self, x: Array, y: Array, names: tuple[str, ...]) -> dict[str, Array]:
         self._refuse_electroded("fields")
         return self._of_parts(
-            lambda pressed, index: by_name(names, self._fields(pressed, index, x, y, names)), self._apart()
+            lambda pressed, index: fields_by_name(names, self._fields(pressed, index, x, y, names)), self._apart()
         )
 
     # -- overridden for contacts in air --------------------------------------------------------------------------------

@@ -104,34 +104,37 @@ def _filled(variable: xr.Variable | None, like: xr.Variable, dims: tuple[Hashabl
 
 
 def _table(factors: Factors) -> pd.DataFrame | None:
-    """Return the table of cases among factors, or None."""
+    """Return the table of cases among factors, its rows numbered in place of a multi-index, or None."""
     if isinstance(factors, Mapping | pd.Series):
         try:
             columns = columns_of(factors)
         except ValueError as error:
             raise FactorError(str(error)) from None
-        return pd.DataFrame(columns) if columns else None
-    if isinstance(factors, np.ndarray) and factors.dtype.names:
-        return pd.DataFrame(factors)
-    if isinstance(factors, pd.DataFrame):
-        return factors
-    if isinstance(factors, Sequence) and factors and all(isinstance(row, Mapping) for row in factors):
-        return pd.DataFrame([dict(row) for row in factors])
-    raise FactorError(f"factors: {shown(factors)} is no mapping of factors, no data frame and no list of mappings")
+        if not columns:
+            return None
+        table = pd.DataFrame(columns)
+    elif isinstance(factors, np.ndarray) and factors.dtype.names:
+        table = pd.DataFrame(factors)
+    elif isinstance(factors, pd.DataFrame):
+        table = factors
+    elif isinstance(factors, Sequence) and factors and all(isinstance(row, Mapping) for row in factors):
+        table = pd.DataFrame([dict(row) for row in factors])
+    else:
+        raise FactorError(f"factors: {shown(factors)} is no mapping of factors, no data frame and no list of mappings")
+    return table.reset_index(drop=True) if table.index.nlevels > 1 else table
 
 
 def _columns(table: pd.DataFrame) -> dict[str, xr.DataArray]:
-    """Return the columns of a table over its rows, labelled by its index, or by numbers for a multi-index."""
+    """Return the columns of a table over its rows, labelled by its index."""
     if not len(table):
         raise FactorError("factors: a table without rows")
-    labels = pd.RangeIndex(len(table)) if table.index.nlevels > 1 else table.index
     columns: dict[str, xr.DataArray] = {}
     for heading, column in table.items():
         name, unit = _named(str(heading))
         if name in columns:
             raise FactorError(f"{name}: two columns of the table have this name")
         cells = _cells(column) if unit is None else _scaled(str(heading), _cells(column), unit, FACTORS[name].units)
-        columns[name] = xr.DataArray(cells, dims=CASE, coords={CASE: labels.to_numpy()})
+        columns[name] = xr.DataArray(cells, dims=CASE, coords={CASE: table.index.to_numpy()})
     return columns
 
 

@@ -45,14 +45,14 @@ class Pressing:
     @property
     def rise(self) -> Array:
         """Height g of the punch at the trailing edge over its origin [m]; (...)."""
-        return self.half_width * self.slope_scale * _integral(self.slope, -self.centre, 1.0)
+        return self.half_width * self.slope_scale * _integral(self.slope, -self.centre)
 
     @property
     def rise_rate(self) -> Array:
         """Derivative of :attr:`rise` by log P [m]; (...)."""
         edge = self.centre + 1
         moved = sum(_by_power(self.slope)) * (self.width_rate * edge + self.centre_rate)
-        turned = _integral(self.slope_rate, -self.centre, 1.0) if np.any(self.slope_rate) else 0.0
+        turned = _integral(self.slope_rate, -self.centre) if np.any(self.slope_rate) else 0.0
         return np.asarray(self.half_width * self.slope_scale * (moved + turned))
 
 
@@ -214,7 +214,7 @@ def _by_power(coefficients: Array) -> list[Array]:
     return [*np.moveaxis(coefficients, -1, 0)]
 
 
-def _integral(coefficients: Array, low: Array, high: float) -> Array:
-    """Integral from low to high of a polynomial in X with coefficients (..., k); (...)."""
-    terms = [coefficients[..., k] * (high ** (k + 1) - low ** (k + 1)) / (k + 1) for k in range(coefficients.shape[-1])]
+def _integral(coefficients: Array, low: Array) -> Array:
+    """Integral from low to 1 of a polynomial in X with coefficients (..., k); (...)."""
+    terms = [coefficients[..., k] * (1 - low ** (k + 1)) / (k + 1) for k in range(coefficients.shape[-1])]
     return np.asarray(sum(terms, np.zeros(())))

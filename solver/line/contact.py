@@ -107,9 +107,7 @@ class FilmContact:
         """(Y_low)_oo log(L/b) / pi, the datum's displacements per total traction; (case or 1, 3, 3)."""
         system = self.table.system
         punch_length = self.datum if self.punch_datum is None else self.punch_datum
-        body, punch = (
-            np.log(np.asarray(L, dtype=np.float64) / system.kernel.width) for L in (self.datum, punch_length)
-        )
+        body, punch = (np.log(length / system.kernel.width) for length in (self.datum, punch_length))
         far = lowest(system.kernel.stack)[1:, 1:] / np.pi * body[..., None, None]
         return np.asarray(far + system.coefficients.punch[0] / np.pi * punch[..., None, None] * _NORMAL)
 

@@ -7,7 +7,6 @@ form), finite-element decks 6 x 6 and 3 x 6 matrices: c = s^-1,   e = d c,   eps
 import re
 from collections.abc import Collection, Mapping
 from difflib import get_close_matches
-from typing import Any
 
 import numpy as np
 
@@ -199,7 +198,7 @@ def _stiffness(values: Mapping[str, float]) -> Array:
         off = -poisson / young
         return np.asarray(np.linalg.inv(transverse(1 / young, off, off, 1 / young, 2 * (1 + poisson) / young)))
     if any(name in values for name in ("s11", "s33", "s44")):
-        s12 = _transverse_entry(values, "s", lambda s11, s66: s11 - s66 / 2)
+        s12 = _transverse_entry(values, "s", 0.5)
         _all_of({**values, "s12": s12}, ("s11", "s12", "s13", "s33", "s44"))
         s = transverse(values["s11"], s12, values["s13"], values["s33"], values["s44"])
         if np.linalg.eigvalsh(s)[0] <= 0:
@@ -209,18 +208,18 @@ def _stiffness(values: Mapping[str, float]) -> Array:
             )
         return np.asarray(np.linalg.inv(s))
     _all_of(values, ("c11", "c13", "c33", "c44"))
-    c12 = _transverse_entry(values, "c", lambda c11, c66: c11 - 2 * c66) if {"c12", "c66"} & values.keys() else np.nan
+    c12 = _transverse_entry(values, "c", 2.0) if {"c12", "c66"} & values.keys() else np.nan
     return transverse(values["c11"], c12, values["c13"], values["c33"], values["c44"], stiffness=True)
 
 
-def _transverse_entry(values: Mapping[str, float], letter: str, rule: Any) -> float:
-    """Entry 12 as stated or from entries 11 and 66, which must agree."""
+def _transverse_entry(values: Mapping[str, float], letter: str, factor: float) -> float:
+    """Entry 12 as stated or as entry 11 minus a factor times entry 66, which must agree."""
     stated, shear = values.get(f"{letter}12"), values.get(f"{letter}66")
     if shear is None or f"{letter}11" not in values:
         if stated is None:
             raise ValueError(f"{letter}12: missing; needed beside {letter}11 (or {letter}66)")
         return stated
-    derived = float(rule(values[f"{letter}11"], shear))
+    derived = values[f"{letter}11"] - factor * shear
     if stated is not None and abs(derived - stated) > 0.05 * abs(values[f"{letter}11"]):
         raise ValueError(
             f"{letter}66 = {shear:g}: with {letter}11 it makes {letter}12 = {derived:.4g}, and "

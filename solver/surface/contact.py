@@ -34,14 +34,9 @@ _SECANT = 0.16  # change of the load's logarithm for the stiffness: a twentieth 
 # like the cell to the power 3/2; errors of charges, at single cells of the edge and in the air, fall slower, and so do
 # those of the pressure on the highest hill of a rough punch or of a map
 _SHARE_LEFT = {
-    "force": 1.8,
-    "depth": 1.8,
-    "pressure": 1.8,
+    **dict.fromkeys(("force", "depth", "pressure"), 1.8),
     "hill pressure": 1.4,
-    "charge": 0.7,
-    "voltage": 0.7,
-    "stroke": 0.7,
-    "capacitance": 0.7,
+    **dict.fromkeys(("charge", "voltage", "stroke", "capacitance"), 0.7),
 }
 _SLOPED, _ROUGH = 64, 1e-2  # cells of slopes over the load, unless an error as large as this is allowed
 _FALL = 4.0  # largest ratio of the errors of two grids that is believed: a smaller difference may be luck

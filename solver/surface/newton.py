@@ -397,7 +397,7 @@ def _linear(coarse: Array, fine: Array) -> Array:
 class Linearised:
     """Newton's linear system about a state: rows of the gap, of the potential and of what is prescribed."""
 
-    def __init__(self, system: System, state: State, *, cut: bool = False) -> None:
+    def __init__(self, system: System, state: State) -> None:
         self.system, self.state = system, state
         self.depression, self.minus_phi = system.apply(state.pressure, state.charge)
         self.gap = np.where(system.finite, system.height - state.depth + self.depression, np.inf)

@@ -126,7 +126,7 @@ class SurfaceBody:
     def response(self, k: Array, theta: Array) -> tuple[ComplexArray, ComplexArray]:
         """Multiplier Y0 of the top's half-space, (theta, m, m), and Y - Y0, (k, theta, m, m)."""
         k, theta = np.asarray(k, dtype=np.float64), np.asarray(theta, dtype=np.float64)
-        units = self.scale[:, None] * self.scale
+        units = outer(self.scale)
         responses = [self._response(stiffnesses, k, theta) for stiffnesses in self._scaled]
         half, added = (sum(parts) / len(responses) * units for parts in zip(*responses, strict=True))
         return np.asarray(half), np.asarray(added)

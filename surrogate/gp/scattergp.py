@@ -329,8 +329,7 @@ class ScatterGP(GaussianProcess):
         for p, regressor in enumerate(self.regressors_):
             size, kernel = _process(regressor)
             weights = regressor.alpha_ * size / regressor._y_train_std
-            for i, slope in enumerate(kernel.slopes(X, regressor.X_train_)):
-                slopes[i, p] = slope @ weights
+            slopes[:, p] = kernel.slopes(X, regressor.X_train_) @ weights
         return slopes / REACH
 
     @override

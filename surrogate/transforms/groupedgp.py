@@ -98,7 +98,7 @@ class GroupedGP(Transformed):
         data = self.grouping.reduced(X, names).assign_coords({axis.name: X[axis.name] for axis in axes})
         plain = GridGP(axes, names, self.hyperparameters, self.compression)
         process = plain if self.process is None else self.process(names)
-        self.reduced_, self.inputs_, self.outputs_ = process.fit(data), self.grouping.inputs, names
+        self.reduced_, self.inputs_ = process.fit(data), self.grouping.inputs
         self.cases_ = self.reduced_.cases_
         self._lay_out()
         return self
@@ -139,13 +139,11 @@ class GroupedGP(Transformed):
         self.calibration_ = self.reduced_.calibration_
         return self
 
-    def _narrowed(self, outputs: Sequence[str]) -> Self:
+    @override
+    def _narrowed(self, outputs: Sequence[str]) -> tuple[Self, Sequence[str]]:
         part = copy(self)
         part.grouping = self.grouping.only(outputs)
-        return part
-
-    def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        return {"reduced": outputs}
+        return part, outputs
 
     @override
     def thinned(self, errors: Mapping[str, float]) -> Self:

@@ -169,6 +169,7 @@ class CorrectedGP(Transformed):
 
     engine: ClassVar[str] = "corrected"
     MEMBERS = ("nominal", "effect")
+    parts: ClassVar[int] = 1
     nominal_: GaussianProcess
     effect_: GaussianProcess
 
@@ -207,11 +208,6 @@ class CorrectedGP(Transformed):
     def calibrated(self) -> bool:
         """Return True if the nominal model is calibrated on held-out cases."""
         return self.nominal_.calibrated
-
-    @property
-    def parts(self) -> int:
-        """Number of parts of the variance."""
-        return 1
 
     @property
     def posterior(self) -> tuple[Array, Array]:

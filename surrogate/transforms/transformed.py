@@ -47,18 +47,14 @@ class Transformed(GaussianProcess):
 
     def only(self, outputs: Sequence[str]) -> Self:
         """Return a cheaper model of these outputs, whose means agree within the compression of the members."""
-        behind = self._behind(outputs)
-        part = self._narrowed(outputs).over({name: self.members[name].only(behind[name]) for name in self.MEMBERS})
+        narrowed, behind = self._narrowed(outputs)
+        part = narrowed.over({name: member.only(behind) for name, member in self.members.items()})
         if part.calibration_ is self.calibration_ is not None:  # the model's own calibration, not a member's
             part.calibration_ = self.calibration_.only([self.outputs_.index(name) for name in outputs])
         return part
 
-    def _narrowed(self, outputs: Sequence[str]) -> Self:
-        """Return a copy with these outputs, whose members still have all outputs."""
-        raise NotImplementedError
-
-    def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        """Return by member the outputs from which these outputs of the model follow."""
+    def _narrowed(self, outputs: Sequence[str]) -> tuple[Self, Sequence[str]]:
+        """Return a copy with these outputs, over the same members, and a member's outputs from which they follow."""
         raise NotImplementedError
 
 

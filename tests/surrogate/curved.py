@@ -59,7 +59,6 @@ def grid() -> xr.Dataset:
 
 
 def fitted() -> CurveGP:
-    """The process of the grid."""
     return CurveGP(lambda names: GridGP(inputs=INPUTS, outputs=names), [HILLS], LARGEST, OUTPUTS).fit(grid())
 
 

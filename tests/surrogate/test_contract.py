@@ -172,7 +172,6 @@ def test_answers_share_nothing(name: str) -> None:
 
 @cache
 def stored(name: str) -> bytes:
-    """The file of a model."""
     with TemporaryDirectory() as folder:
         save(fitted(name), Path(folder) / "a.nc")
         return (Path(folder) / "a.nc").read_bytes()
@@ -240,7 +239,6 @@ ONE = Input("a", 0, 1)
 
 
 def sine() -> GridGP:
-    """A sine over one input."""
     levels = ONE.levels(6)
     return GridGP([ONE]).fit(xr.Dataset({"y": ("a", np.sin(levels))}, coords={"a": levels}))
 
@@ -253,7 +251,6 @@ def with_levels(stored: xr.Dataset, count: int = 20_000) -> xr.Dataset:
 
 
 def twice(stored: xr.Dataset) -> xr.Dataset:
-    """A model's arrays with one output twice."""
     return stored.isel(output=[0, 0]).assign(probe_point=(("probe", "input"), [[0.5]]))
 
 

@@ -1,6 +1,7 @@
 """The oracles: 50 digits against the equations; nested punches against closed forms and the point solver."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ def without_kap(half: HalfPlane) -> HalfPlane:
     """The half-plane with k1 = n.d, where D_y and B_y of theory section 3 have the form 0/0."""
     local = half.local.copy()
     local[1, 0] -= Sliding(half, mpf(0), mpf("0.05"), (1, 2)).reduction[3]
-    return HalfPlane(local, half.compliance, half.Q, half.R, half.T)
+    return replace(half, local=local)
 
 
 @pytest.mark.parametrize(("conducted", "friction", "digits"), [((1, 2), 1.5, 60), ((1,), 0.0, 60), ((1, 2), 0.7, 38)])

@@ -141,11 +141,10 @@ class FilmContact:
             u[4 * below + potential, state] = 1.0
         exterior = np.setdiff1d(nodes, below) if self.air else np.zeros(0, dtype=int)
         potentials = np.array([4 * exterior + potential for potential in self.punch.conducted], dtype=int).ravel()
-        contact_dofs = (4 * below[:, None] + np.arange(4)).ravel()
         heights = [4 * np.unique(nodes) + 1]
         if self._upper is not None:
             heights.append(4 * (len(self.body.places) + np.unique(sides(self._upper))) + 1)
-        return Dry.of(self._stiffness, *self._joined, self._free, u, potentials, contact_dofs, np.concatenate(heights))
+        return Dry.of(self._stiffness, *self._joined, self._free, u, potentials, below, np.concatenate(heights))
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u (unknowns, states), in air right on the surface only, and nodal loads (node, 4, states)."""

@@ -98,11 +98,9 @@ class PointContact:
         u[4 * below + 1, :2] = r[below, None] ** [0, 2]
         u[4 * below + ELECTRIC, 2] = 1.0
         nodes = self._exterior.nodes
-        exterior = np.setdiff1d(nodes, below)
-        contact_dofs = (4 * below[:, None] + np.arange(4)).ravel()
+        potentials, heights = 4 * np.setdiff1d(nodes, below) + ELECTRIC, 4 * np.unique(nodes) + 1
         identity = csr_array(eye_array(u.shape[0]))
-        return Dry.of(self.body.matrix(), identity, identity, ~held.ravel(), u, 4 * exterior + ELECTRIC, contact_dofs,
-                      4 * np.unique(nodes) + 1)  # fmt: skip
+        return Dry.of(self.body.matrix(), identity, identity, ~held.ravel(), u, potentials, below, heights)
 
     def _charged(self, gap: Array) -> tuple[Array, Array]:
         """Scaled u and nodal loads of the states u_y = 1, r^2 and phi = 1 under the punch; (node, 4, state) each."""

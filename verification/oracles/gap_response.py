@@ -33,9 +33,13 @@ class Dry:
     @classmethod
     def of(
         cls, stiffness: "csr_array[np.float64]", rows: "csr_array[np.float64]", columns: "csr_array[np.float64]",
-        free: NDArray[np.bool_], u: Array, exterior: Index, contact: Index, heights: Index,
+        free: NDArray[np.bool_], u: Array, exterior: Index, below: Index, heights: Index,
     ) -> "Dry":  # fmt: skip
-        """Solve the assembled, joined bodies; u, (unknowns, states), is prescribed where not free, and filled in."""
+        """Solve the assembled, joined bodies; u, (unknowns, states), is prescribed where not free, and filled in.
+
+        exterior, heights: as the fields; below: nodes of the contact.
+        """
+        contact = (4 * below[:, None] + np.arange(4)).ravel()
         matrix = (rows @ stiffness @ columns)[free]
         factors = factorised(matrix[:, free])
         u[free] = -factors.solve(np.asarray(matrix @ u))

@@ -31,6 +31,7 @@ class HalfPlane:
     Q: matrix
     R: matrix
     T: matrix
+    inertia: mpf  # density times squared speed of a punch in steady motion
 
     @property
     def normal_compliance(self) -> matrix:
@@ -59,7 +60,7 @@ def _half_plane(constants: tuple[float, ...], inertia: mpf) -> HalfPlane:
         S, L = _angular_means(*scaled)
         compliance = inverse(L)
         local = units * (-S * compliance) * units / STIFFNESS
-        return HalfPlane(local, units * compliance * units / STIFFNESS, Q, R, T)
+        return HalfPlane(local, units * compliance * units / STIFFNESS, Q, R, T, inertia)
 
 
 def _angular_means(Q: matrix, R: matrix, T: matrix) -> tuple[matrix, matrix]:

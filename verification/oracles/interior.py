@@ -38,20 +38,18 @@ def solve(
 ) -> dict[str, list[float]]:
     """Fields under the circular punch; SI units."""
     with mp.workdps(WORK_DIGITS):
-        half = half_plane(material, speed)
-        sliding = Sliding(half, mpf(friction), mpf(radius), conducted)
+        sliding = Sliding(half_plane(material, speed), mpf(friction), mpf(radius), conducted)
         state = Contact(sliding, mpf(load), mpf(charge), mpf(magnetic_charge))
-        inertia = mpf(material["rho"]) * mpf(speed) ** 2 if speed else mpf(0)
-        roots, A, B = _eigenvectors(half, inertia)
+        roots, A, B = _eigenvectors(sliding.half)
         rows = [_fields(material, state, roots, A, B, mpf(x), mpf(y)) for x, y in points]
         return {name: [float(row[i]) for row in rows] for i, name in enumerate(FIELDS)}
 
 
 @lru_cache(maxsize=64)
-def _eigenvectors(half: HalfPlane, inertia: mpf) -> tuple[list[mpc], matrix, matrix]:
+def _eigenvectors(half: HalfPlane) -> tuple[list[mpc], matrix, matrix]:
     """Upper roots and the eigenvectors A, B in SI units."""
     units = diag(list(UNITS))
-    moving = half.Q - inertia * diag([1, 1, 0, 0])
+    moving = half.Q - half.inertia * diag([1, 1, 0, 0])
     Q, R, T = (units * block * units / STIFFNESS for block in (moving, half.R, half.T))
     Q = Q + diag([_SPLIT * k for k in (1, 3, -7, -12)])
     N1, N2 = -inverse(T) * R.T, inverse(T)

@@ -336,7 +336,7 @@ class Press:
     @property
     def _orders(self) -> list[int]:
         """Order m of each part."""
-        return [0, *range(1, self.harmonics + 1), *range(1, self.harmonics + 1)]
+        return [*range(self.harmonics + 1), *range(1, self.harmonics + 1)]
 
     def contact(self) -> "State":
         """Tractions under the ellipse without singular pressure in the harmonics 0, 1 and 2."""

@@ -97,8 +97,8 @@ def target(study: Study, words: Mapping[str, Sequence[str] | None]) -> Target:
         if name not in named_factors and default is not None and axis.low <= default <= axis.high:
             content["at"][name] = default
     for name in study.categories:
-        if name not in named_factors and _default(study, name):
-            content["at"][name] = _default(study, name)
+        if name not in named_factors and (choice := _default(study, name)):
+            content["at"][name] = choice
     try:
         return Target.model_validate(content, context=Origin(Path(), {}, in_si=True)).set_meeting(study.meeting)
     except ValidationError as error:
@@ -161,7 +161,7 @@ def invert(folder: Path, words: Mapping[str, Sequence[str] | None], *, si: bool 
 
 def _remedy(inversion: Inversion, names: Sequence[str], values: Array, errors: Array) -> str:
     """Return the sign or the power of a thousand by which readings would fit, in words; empty where none does."""
-    subsets = [np.eye(len(names), dtype=bool)[row] for row in range(len(names))]
+    subsets = list(np.eye(len(names), dtype=bool))
     subsets += [np.ones(len(names), dtype=bool)] if len(names) > 1 else []
     for factor, words in _REMEDIES.items():
         for subset in subsets:

@@ -127,10 +127,8 @@ def scale(study: Study, quantity: str) -> dict[str, float]:
 
 def _coefficient(study: Study, name: str, combination: Combination) -> float:
     """Return the factor of the datum's logarithm in a quantity that groups decide up to the datum."""
-    if name not in study.added:
-        return 0.0
     datum = length(study)
-    if datum is None:
+    if name not in study.added or datum is None:
         return 0.0
     case = {**{key: value for key, value in study.fixed.items() if key != "datum"}, **inner(study), **combination}
     values = study.solved(solve, {**case, "datum": datum * np.array([1.0, np.e])})[name].values

@@ -144,8 +144,8 @@ def _check_allowable(text: str, allowable: str, unit: units.Unit, expected: unit
     """Refuse a share of a material limit that may not bound the expression."""
     if not unit.fits(units.Unit.none()):
         raise ValueError(f"{text!r}: {str(unit)!r} before {allowable}: must be a pure number or %")
-    if expected is None or not expected.fits(units.parse(ALLOWABLES[allowable].units)):
-        allowable_units = ALLOWABLES[allowable].units
+    allowable_units = ALLOWABLES[allowable].units
+    if expected is None or not expected.fits(units.parse(allowable_units)):
         raise ValueError(
             f"{text!r}: unit mismatch: {allowable} is in {allowable_units}, the expression in {expected or 1}"
         )

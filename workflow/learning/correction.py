@@ -280,18 +280,20 @@ def learn(
 
 
 def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None:
-    """Refuse measured values whose sign or size shows another convention or unit than the surrogate's."""
+    """Refuse values of another sign convention or unit than the surrogate's, and errors far larger than the values."""
     for q in rows.outputs:
         k = rows.of(q)
         measured, predicted = rows.value[k], mean[k]
-        _check_errors(model, q, rows.error[k], float(np.abs([measured, predicted]).max()))
+        name, units = model.outputs_[q], model.attrs_[model.outputs_[q]].get("units", "")
+        most_vague = _VAGUE * float(np.abs([measured, predicted]).max())
+        if (vague := rows.error[k][rows.error[k] > most_vague]).size:
+            raise InputError(f"{name}: an error of {vague[0]:g} {units}; must be at most {most_vague:.2g} {units}")
         ratio = float(np.median(np.abs(measured)) / max(float(np.median(np.abs(predicted))), 1e-300))
         noise = np.nanmedian(rows.error[k]) if np.isfinite(rows.error[k]).any() else 0.0
         if float(np.median(np.abs(predicted))) < 3 * noise * min(1.0, 1 / ratio if ratio else 1.0):
             continue  # nothing but noise was to be measured
         large = np.abs(measured) > 3 * noise
         opposite = bool(large.any()) and float(np.mean(measured[large] * predicted[large] < 0)) > _TURNED
-        name, units = model.outputs_[q], model.attrs_[model.outputs_[q]].get("units", "")
         if not 1 / _WRONG_UNIT < ratio < _WRONG_UNIT:
             power = 3 * round(float(np.log10(max(ratio, 1e-300))) / 3)
             factor = 10.0**-power
@@ -306,14 +308,6 @@ def _check_size(model: GaussianProcess, rows: Measurements, mean: Array) -> None
                 f"{name}: {int(large.sum())} measured values have the opposite sign of the surrogate's; they would fit "
                 "with the opposite sign: turn it if the instrument counts the other way"
             )
-
-
-def _check_errors(model: GaussianProcess, output: int, errors: Array, largest: float) -> None:
-    """Refuse errors of measurement that are far larger than the values."""
-    vague = errors[errors > _VAGUE * largest]
-    if len(vague):
-        name, units = model.outputs_[output], model.attrs_[model.outputs_[output]].get("units", "")
-        raise InputError(f"{name}: an error of {vague[0]:g} {units}; must be at most {_VAGUE * largest:.2g} {units}")
 
 
 Variables = dict[str, xr.Variable]

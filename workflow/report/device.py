@@ -192,6 +192,7 @@ def _dimensions(device: Device) -> tuple[list[str], list[str]]:
     half = device.contact * device._near_scale / 2
     name = _SIZES.get(device.profile, "R = ")
     size = number(device.size, 3) if device.profile in _ENDLESS else shown(device.size, "m", 3)
+    start = near if device.point else near - half  # of the contact's dimension line
     extent = f"a = {shown(device.trailing, 'm', 3)}" if device.point else shown(device.contact, "m", 3)
     whole = [
         _size_text(device, middle, name + size),
@@ -200,7 +201,7 @@ def _dimensions(device: Device) -> tuple[list[str], list[str]]:
     ]
     parts = [
         _text(_NEAR[0], _HEIGHT - 10, f"the contact, at {number(device.magnified, 2)} times that scale", SOFT, "start"),
-        *([_span(near if device.point else near - half, near + half, _SURFACE - 16)] if half > _TIPS else []),
+        *([f'<path d="M{start:.2f} {_SURFACE - 16} H{near + half:.2f}" {_BOTH_ENDS}/>'] if half > _TIPS else []),
         _extent(device, near, extent),
     ]
     if device.thickness is None:
@@ -255,11 +256,6 @@ def _line(
     return (
         f'<line x1="{x0:.2f}" y1="{y0:.2f}" x2="{x1:.2f}" y2="{y1:.2f}" stroke="{colour}" stroke-width="{wide}"{end}/>'
     )
-
-
-def _span(x0: float, x1: float, y: float) -> str:
-    """Return a dimension line."""
-    return f'<path d="M{x0:.2f} {y} H{x1:.2f}" {_BOTH_ENDS}/>'
 
 
 def _text(x: float, y: float, text: str, colour: str = INK, anchor: str = "middle") -> str:

@@ -246,8 +246,8 @@ def drawn_body(study: Study, combination: Combination) -> dict[str, Any]:
 
 def charts(study: Study, model: GaussianProcess | None) -> dict[str, Any]:
     """Return charts under the punch and their surrogate; circular punches on half-planes need no surrogate."""
-    known = model is not None and not study.categories and "pressure_exponent" in study.outputs
-    stored = exported(model) if known and model is not None else None
+    is_known = not study.categories and "pressure_exponent" in study.outputs
+    stored = exported(model) if model is not None and is_known else None
     pressure = any(closed_pressure(study, combination) for combination in study.combinations)
     names = ["contact_pressure"] if pressure else []
     if stored:

@@ -103,10 +103,15 @@ def final_files_of(name):
     return [f"results/{name}/{file}" for file in study_named(name).final_files]
 
 
+def of_designs(file):
+    """A file of every target of a study."""
+    return lambda wildcards: expand(file, study=wildcards.study, name=study_of(wildcards).design)
+
+
 def designs_of(wildcards):
     """The answers to the targets of a study."""
     DESIGNED.add(wildcards.study)
-    return expand("results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design)
+    return of_designs("results/{study}/design/{name}.nc")(wildcards)
 
 
 def pressed_of(wildcards):

@@ -79,9 +79,7 @@ rule provenance:
 # so that the page reads files only
 rule solved:
     input:
-        designs=lambda wildcards: expand(
-            "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
-        ),
+        designs=of_designs("results/{study}/design/{name}.nc"),
         levels=levels_of,
     output:
         "results/{study}/solved.json",
@@ -100,13 +98,9 @@ rule report:
         results=results_of,
         levels=levels_of,
         opening=opening_of,
-        designs=lambda wildcards: expand(
-            "results/{study}/design/{name}.nc", study=wildcards.study, name=study_of(wildcards).design
-        ),
+        designs=of_designs("results/{study}/design/{name}.nc"),
         figures=figures_of,
-        folders=lambda wildcards: expand(
-            "results/{study}/figures/design_{name}", study=wildcards.study, name=study_of(wildcards).design
-        ),
+        folders=of_designs("results/{study}/figures/design_{name}"),
         provenance="results/{study}/provenance.json",
     output:
         "results/{study}/report.html",

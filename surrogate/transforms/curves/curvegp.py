@@ -284,19 +284,16 @@ class CurveGP(Transformed):
         smooth, _ = self.smooth_.mean_variance(t, None)
         return self._witness.slope_variances(t, weights) * self._spread(smooth) ** 2
 
-    def _narrowed(self, outputs: Sequence[str]) -> Self:
+    @override
+    def _narrowed(self, outputs: Sequence[str]) -> tuple[Self, Sequence[str]]:
         part = copy(self)
         part.outputs = tuple(outputs)
         part.largest = {name: largest for name, largest in self.largest.items() if name in outputs}
-        return part
-
-    def _behind(self, outputs: Sequence[str]) -> Mapping[str, Sequence[str]]:
-        largest = [name for name in outputs if name in self.largest]
-        names = [name for name in outputs if name not in self.largest]
-        names += [self._learnt(size) for size in sorted({self._size_of(name) for name in largest} - {""})]
-        for number in sorted({self.largest[name].curves for name in largest}):
+        names = [name for name in outputs if name not in part.largest]
+        names += [self._learnt(size) for size in sorted({self._size_of(name) for name in part.largest} - {""})]
+        for number in sorted({largest.curves for largest in part.largest.values()}):
             names += [self.smooth_.outputs_[row] for row in self._score_rows[number]]
-        return {"smooth": names}
+        return part, names
 
     # -- calibration ---------------------------------------------------------------------------------------------------
     @override

@@ -122,7 +122,9 @@ def test_series_with_one_index_are_columns_of_a_table() -> None:
     assert dict(rows["voltage"].sizes) == {"friction": 2, "case": 3}
     assert list(rows["case"].values) == ["a", "b", "c"]
     levels = TABLE.set_index(pd.MultiIndex.from_tuples([(1, 2), (1, 3), (2, 4)]))
-    assert solver.solve(levels)["case"].values.tolist() == [0, 1, 2]
+    kinds = levels.assign(thickness=[np.nan, 1e-3, np.nan], base=[None, "steel", None])
+    for table in (levels, kinds):
+        assert solver.solve(table)["case"].values.tolist() == [0, 1, 2]
     alone = solver.solve({"material": "PZT-4"} | {name: TABLE[name].iloc[1] for name in columns})
     assert float(rows["voltage"][0, 1]) == pytest.approx(float(alone["voltage"]), rel=1e-12)
     with pytest.raises(solver.FactorError, match=r"^load: its rows are not those of radius: Series are columns"):

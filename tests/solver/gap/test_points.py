@@ -25,7 +25,6 @@ COMPOSITE = SPHERE | {"composite": "fibrous", "volume_fraction": 0.6, "force": 1
 
 
 def answer(case: Mapping[str, Any]) -> dict[str, float]:
-    """Every quantity of one case."""
     return {str(name): float(value) for name, value in solver.solve(case).data_vars.items()}
 
 

@@ -48,7 +48,6 @@ def chebyshev_kernel(levels: int, rho: float, amplitude: float) -> FactorKernel:
 
 
 def dense_kernels(model: GridGP, counts: tuple[int, ...], p: int) -> list[FactorKernel]:
-    """Kernels of all factors for one output."""
     fixed = [model.hyperparameters_[input_.name] for input_ in PLANE]
     return [
         chebyshev_kernel(n, rho, model.amplitude_[f, p]) for f, (n, rho) in enumerate(zip(counts, fixed, strict=True))

@@ -114,7 +114,6 @@ Levels = dict[str, NDArray[np.float64]]
 
 
 def solved(levels: Levels) -> xr.Dataset:
-    """The test functions on any levels."""
     return xr.Dataset(functions.outputs(xr.Dataset(coords=levels)))
 
 

@@ -51,7 +51,6 @@ def of_one_input() -> GaussianProcess:
 def exported(
     model: GaussianProcess, outputs: Sequence[str], folder: Path, arithmetic: type[np.floating[Any]], error: float
 ) -> tuple[list[Rounded], Path]:
-    """Write the C of some outputs."""
     parts = rounded(model, outputs, error, arithmetic)
     for file, text in code("model", parts, arithmetic, ["a note */"]).items():
         (folder / file).write_text(text, encoding="ascii")

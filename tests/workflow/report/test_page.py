@@ -381,7 +381,7 @@ def of_curves_over_groups() -> GaussianProcess:
     model = curved.fitted_over_groups()
     points = functions.drawn(curved.INPUTS, 60, 3)
     off = model.predict(points, return_std=False) * (1 + 1e-3 * np.sin(40 * points["a"]))
-    return model.calibrate(off.merge(points))
+    return model.calibrate(off.assign(points.data_vars))
 
 
 @needs_node

@@ -72,7 +72,7 @@ def best_of(traced: Front, problem: Problem) -> Optimum:
     return Optimum(traced.x[best], float(objective[best].min()), excess[best], True)
 
 
-def verified(traced: Question, share: float = 1.0) -> xr.Dataset:
+def verified(traced: Question, share: float) -> xr.Dataset:
     """Return the front solved exactly, costly cases in deciding scenarios; designs beyond a limit are left out."""
     designs, columns = costly.thinned(traced, share)
     wanted, sets = designs.objectives, designs.searched
@@ -159,13 +159,23 @@ def _candidates(study: Study, name: str, target: Target, model: GaussianProcess)
 
 
 def _costs(study: Study, name: str, target: Target, model: GaussianProcess, best: Candidate) -> Tolerated:
-    """Return the cost of the tolerances of the best design."""
+    """Return the cost of the tolerances of the best design against the one without tolerances."""
     nominal = target.model_copy(update={"tolerance": {}})
     if costly.asked(best.question):  # near the design: a search of its own would cost as much as the design did
         without = near(best, _candidate(study, name, nominal, model, best.choice))
     else:
         without = polish.first_feasible(_candidates(study, name, nominal, model))
-    return costs(best, without)
+    whole = _reached(best, target.tolerance)
+    cost, gain = dict[str, float](), dict[str, float]()
+    for key in target.tolerance:
+        others = {other: reach for other, reach in target.tolerance.items() if other != key}
+        cost[key] = _share(_reached(best, others), whole)
+        gain[key] = _share(_reached(best, {**target.tolerance, key: _tightened(target, key)}), whole)
+    design = without.design
+    values = {key: float(column[0]) for key, column in design.variables.items()} | without.question.held
+    exact, _ = assessment.exactly(design, design.terms[:1])
+    categories = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
+    return Tolerated(cost, gain, values, float(exact[0]), categories)
 
 
 def combinations(study: Study, target: Target) -> list[dict[str, float | str]]:
@@ -234,21 +244,6 @@ def _choices(best: Candidate, candidates: list[Candidate], sign: float) -> tuple
         )
         for candidate in several
     )
-
-
-def costs(best: Candidate, without: Candidate) -> Tolerated:
-    """Return the cost of the tolerances of the best design against the one without tolerances."""
-    target, design = best.question.target, without.design
-    whole = _reached(best, target.tolerance)
-    cost, gain = dict[str, float](), dict[str, float]()
-    for name in target.tolerance:
-        other_tolerances = {key: reach for key, reach in target.tolerance.items() if key != name}
-        cost[name] = _share(_reached(best, other_tolerances), whole)
-        gain[name] = _share(_reached(best, {**target.tolerance, name: _tightened(target, name)}), whole)
-    values = {name: float(column[0]) for name, column in design.variables.items()} | without.question.held
-    exact, _ = assessment.exactly(design, design.terms[:1])
-    named = ", ".join(kind for kind in without.choice.values() if isinstance(kind, str))
-    return Tolerated(cost, gain, values, float(exact[0]), named)
 
 
 def _tightened(target: Target, name: str) -> str:

@@ -61,8 +61,10 @@ def beyond_small_strain(
         ((trailing + leading) / 2, radius, WIDE, "a contact half-width", "the punch radius"),
         (deep, thickness, DEEP, "a depth", "the film's thickness"),
     ):
-        share = float((size / reference).max()) if size is not None and reference is not None else 0.0
-        if size is not None and share > most:
+        if size is None or reference is None:
+            continue
+        share = float((size / reference).max())
+        if share > most:
             words = f"{name} of {shown(float(size.max()), 'm', 3)} is {_above(share, most)} of {reference_name}"
             lines.append((f"{words} and exceeds {most:g} of it", _SMALL))
     return lines

@@ -201,9 +201,10 @@ def tolerated(answer: Answer) -> str:
 
 def tolerances(answer: Answer) -> list[str]:
     """Return the cost of each tolerance of a design as a share of the goal, in words."""
-    parts = []
-    for variable in answer.variables if answer.tolerated else ():
-        assert answer.tolerated is not None
+    parts: list[str] = []
+    if answer.tolerated is None:
+        return parts
+    for variable in answer.variables:
         cost, gain = (shares.get(variable.name, np.nan) for shares in (answer.tolerated.cost, answer.tolerated.gain))
         if not variable.tolerance or not np.isfinite(cost):
             continue
