@@ -134,11 +134,8 @@ class AirContacts:
         unknowns[:, _EXTENT : _EXTENT + 2] = np.where(held, 0.0, contact.loading.loads[:, 1:])
         media = [self.permittivity[:, f] * scale[2 + f] ** 2 / scale[1] for f in fields]
         far = np.broadcast_to(contact.far, (contact.load.size, 3, 3))
-        X = operators.grid.distance
-        frame = Frame(
-            self.table.outputs.solving, SOLVING, fields, np.concatenate([X, -X])[: operators.density_nodes],
-            operators.sides, _EXTENT, 1, "load", "(x - c)/h",
-        )  # fmt: skip
+        outputs, sides = self.table.outputs.solving, operators.sides
+        frame = Frame(outputs, SOLVING, fields, operators.positions, sides, _EXTENT, 1, "load", "(x - c)/h")
         return LineStates(frame, unknowns, held, self.table, contact.loading, far, np.stack(media, 1))
 
     @property

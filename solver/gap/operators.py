@@ -60,6 +60,16 @@ class Operators:
         return self.sides * self.grid.count
 
     @property
+    def positions(self) -> Array:
+        """Return X of the nodes whose densities are unknowns; (n,)."""
+        return np.concatenate([self.grid.distance, -self.grid.distance])[: self.density_nodes]
+
+    @property
+    def columns(self) -> int:
+        """Number of causes and densities."""
+        return self.system.causes + len(self.system.fields) * self.density_nodes
+
+    @property
     def rows(self) -> int:
         """Number of outputs."""
         return self.solving + len(_CONTACT_ROWS) - SOLVING + ANGLES.size * len(self.system.fields)
@@ -79,8 +89,7 @@ class Operators:
 
     def matrices(self, half_lengths: Array) -> Array:
         """Outputs of every cause and density at half-lengths [m]; (half, row, column)."""
-        columns = self.system.causes + len(self.system.fields) * self.density_nodes
-        result = np.empty((half_lengths.size, self.rows, columns))
+        result = np.empty((half_lengths.size, self.rows, self.columns))
         for basis, members in batches(self.system, half_lengths):
             result[members] = _Assembled(self, basis, half_lengths[members]).outputs
         return result
@@ -233,8 +242,7 @@ class _Assembled:
     def _local(self) -> Array:
         """Half-plane's part of exterior u_y and potentials less those at the edge; (1 + field, n, unknown)."""
         system, basis, operators = self.operators.system, self.basis, self.operators
-        c, count = system.coefficients, operators.grid.count
-        X = np.concatenate([operators.grid.distance, -operators.grid.distance])[: operators.density_nodes]
+        c, count, X = system.coefficients, operators.grid.count, operators.positions
         signed = np.sinh(np.tile(operators.grid.theta, operators.sides)) * np.sign(X)
         pressed = (basis.transforms(X)[0] * signed[:, None]).reshape(operators.sides, count, -1)
         orders, theta = np.arange(basis.terms + 1), operators.grid.theta[:, None]
@@ -315,8 +323,7 @@ class AirTable:
     def outputs(self) -> SplitOutputs:
         """Outputs at the half-lengths; edge stresses, pressures over weight and densities are only reported."""
         operators = self.operators
-        columns = operators.system.causes + len(operators.system.fields) * operators.density_nodes
-        size = 8.0 * self.table.half_lengths.size * operators.rows * columns
+        size = 8.0 * self.table.half_lengths.size * operators.rows * operators.columns
         if size > _LARGEST:
             raise ContactError(
                 "surroundings: charges spread so far beside the contact that their table would take "

@@ -140,17 +140,11 @@ class RingOperators:
     def matrix(self, radius: float) -> Array:
         """Outputs of every cause and density; (row, column)."""
         layout = self.layout
-        below = ContactRule.of(radius / self.width)
+        below, S, by_layers = self._solved(radius, self.rings.grid.distance)
         count, profile, inverse = below.nodes.size, layout.causes - 1, self.inverse
-        closed = np.einsum("ij,jnc->inc", inverse, self._prescribed(below.nodes))  # S of a half-space
-        S, by_layers = self._layered(radius, below, closed, self.rings.grid.distance)
         edge = inverse @ (self._prescribed(np.ones(1))[:, 0] - by_layers[:, count])
-        # S of the profile is profile_S s^e: profile_S (1 - s^e), whose tractions are closed, less than at the edge
-        profile_S = inverse[:, 0] * self.shape.rise
-        closed[..., profile] = profile_S[:, None]
-        S += closed
         loads = 4 * np.einsum("n,inc->ic", below.weights, S)
-        loads[:, profile] -= 4 * profile_S * self.shape.exponent / (self.shape.exponent + 1)
+        loads[:, profile] -= 4 * inverse[:, 0] * self.shape.rise * self.shape.exponent / (self.shape.exponent + 1)
         exterior = self.rings.displacement @ self.exterior_chi(by_layers[:, count:], edge)
         coefficients = below.series @ S
         pressure = -added_forms(SAMPLES, count) @ coefficients[0]
@@ -171,15 +165,24 @@ class RingOperators:
 
     def series(self, radius: float) -> Array:
         """Coefficients in f_n (points, 4) of the tractions without the profile's closed part; (channel, n, column)."""
-        below = ContactRule.of(radius / self.width)
-        closed = np.einsum("ij,jnc->inc", self.inverse, self._prescribed(below.nodes))
-        S = self._layered(radius, below, closed, np.zeros(0))[0]
-        closed[..., self.layout.causes - 1] = self.inverse[:, :1] * self.shape.rise
-        return np.asarray(np.einsum("mn,inc->imc", below.series, S + closed))
+        below, S, _ = self._solved(radius, np.zeros(0))
+        return np.asarray(np.einsum("mn,inc->imc", below.series, S))
 
     def _form(self, x: Array) -> Array:
         """Pressure of a half-space of N^-1 = 1 at x; zero if it has no largest value."""
         return 2 / np.pi * halfspace_form(self.shape, x) if finite(self.shape) else np.zeros_like(x)
+
+    def _solved(self, radius: float, exterior: Array) -> tuple[ContactRule, Array, Array]:
+        """Rule below the contact, S without the profile's closed part at its nodes, and the layers' part of N S.
+
+        (channel, s, column) each; N S at the rule's nodes, at the edge and at ``exterior``.
+        """
+        below = ContactRule.of(radius / self.width)
+        of_halfspace = np.einsum("ij,jnc->inc", self.inverse, self._prescribed(below.nodes))
+        S, by_layers = self._layered(radius, below, of_halfspace, exterior)
+        # S of the profile is profile_S s^e: profile_S (1 - s^e), whose tractions are closed, less than at the edge
+        of_halfspace[..., self.layout.causes - 1] = self.inverse[:, :1] * self.shape.rise
+        return below, S + of_halfspace, by_layers
 
     def _layered(self, radius: float, below: ContactRule, closed: Array, exterior: Array) -> tuple[Array, Array]:
         """Layers' part of S at ``below``, and of N S there, at the edge and at ``exterior``; (channel, s, column)."""
@@ -233,8 +236,8 @@ class RingOperators:
         """Return chi below the contact; (channel, node, column)."""
         layout = self.layout
         result = np.zeros((len(layout.channels), nodes.size, layout.columns))
-        for channel in range(len(layout.channels)):
-            result[channel, :, channel] = 1.0
+        channel = np.arange(len(layout.channels))
+        result[channel, :, channel] = 1.0
         result[0, :, layout.causes - 1] = self.shape.rise * nodes**self.shape.exponent
         return result
 

@@ -65,11 +65,6 @@ class Rings:
         weights = (stop - start)[:, None] * w * np.sinh(theta) / s**2
         return s, weights[..., None] * self.grid.interpolations_at(panel, theta)
 
-    @property
-    def _last(self) -> float:
-        """Start of the infinite panel in u = exp(-theta)."""
-        return float(self.grid.limits[-1, 1])
-
     @cached_property
     def abel(self) -> Array:
         """Matrix from densities over their size to S at the nodes; (n, n)."""
@@ -86,7 +81,8 @@ class Rings:
             shape = grid.interpolations(np.full(rows.size, panel), source)
             result[rows, grid.slice(panel)] = np.einsum("rp,rpn->rn", kernel, shape)
         v = np.exp(-theta)[:, None]
-        tau, weights = _between(np.sqrt(1 - np.minimum(self._last / v[:, 0], 1)), np.ones(grid.count))
+        start = grid.limits[-1, 1]  # of the infinite panel in u = exp(-theta)
+        tau, weights = _between(np.sqrt(1 - np.minimum(start / v[:, 0], 1)), np.ones(grid.count))
         u = v * (1 - tau**2)
         kernel = 4 * weights * v * (1 - u**2) / (1 + u**2) / np.sqrt((2 - tau**2) * (1 - (u * v) ** 2))
         kernel *= ((1 - tau**2) * (1 + v**2) / (1 + u**2)) ** self.order

@@ -3,6 +3,7 @@
 The sign is that of D_y along +y. The strain of a body that is warm in one place only is left out.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
@@ -30,9 +31,9 @@ class HeatError(MaterialError):
     """A thermal constant that is not known."""
 
 
-def constant(name: str, thermal: dict[str, Sourced] | object, owner: str) -> float:
+def constant(name: str, thermal: Mapping[str, Sourced], owner: str) -> float:
     """Return the value of a thermal constant."""
-    if not isinstance(thermal, dict) or name not in thermal:
+    if name not in thermal:
         raise HeatError(f"heat: not known for {owner}: {name}")
     value, positive = float(thermal[name].value), name in _CONDUCTS
     if not np.isfinite(value) or (positive and value <= 0):

@@ -92,7 +92,7 @@ def legendre(b: Array, count: int) -> Array:
 
 def legendre_rates(b: Array, count: int) -> Array:
     """Derivatives d P_n(2 b - 1) / db at b, (b,) from 0 to 1; (b, n)."""
-    derived = np.polynomial.legendre.legder(np.eye(count), axis=0) if count > 1 else np.zeros((1, count))
+    derived = np.polynomial.legendre.legder(np.eye(count), axis=0)
     return np.asarray(2 * np.polynomial.legendre.legvander(2 * b - 1, len(derived) - 1) @ derived)
 
 

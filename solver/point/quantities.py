@@ -3,7 +3,7 @@
 import numpy as np
 
 from solver.arrays import Array
-from solver.point.contact import PointContact, Pressed
+from solver.point.contact import Pressed
 from solver.point.friction import Rim
 from solver.point.profile import finite
 from solver.point.sliding import Rubbed
@@ -35,7 +35,13 @@ def quantities(pressed: Pressed) -> dict[str, Array]:
     for field in (0, 1):
         if np.all(pressed.conducts[..., field]):
             out[_INTENSITIES[field]] = contact.intensities[:, 1 + field]
-            out |= dict(zip(RESPONSES[field], _responses(pressed, contact, port, field), strict=True))
+            j = 1 + field
+            responses = (
+                contact.displacement[:, j], Stiffness(pressed.uncharged.tangent).potential_per_force(j),
+                pressed.grounded.loads[:, j] / pressed.force, port.stroke(j), port.blocked_force(j),
+                -contact.fixed[:, field, field],
+            )  # fmt: skip
+            out |= dict(zip(RESPONSES[field], responses, strict=True))
     return out
 
 
@@ -54,16 +60,3 @@ def sliding_quantities(pressed: Pressed, rim: Rim | None) -> dict[str, Array]:
             at_rest, sliding = contact.intensities[:, 1 + field], size * slid.strengths[:, 1 + field]
             out |= dict(zip(_ENDS[field], (at_rest + sliding, at_rest - sliding), strict=True))
     return out | ({} if rim is None else {"trailing_tension": slid.tension(rim)})
-
-
-def _responses(pressed: Pressed, contact: PointContact, port: Stiffness, field: int) -> tuple[Array, ...]:
-    """Values of ``RESPONSES`` of a field; (case,) each."""
-    j = 1 + field
-    return (
-        contact.displacement[:, j],
-        Stiffness(pressed.uncharged.tangent).potential_per_force(j),
-        pressed.grounded.loads[:, j] / pressed.force,
-        port.stroke(j),
-        port.blocked_force(j),
-        -contact.fixed[:, field, field],
-    )

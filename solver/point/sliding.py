@@ -38,7 +38,7 @@ class Rubbed:
         contact, body = self.contact, self.contact.pressed.body
         inverse = np.linalg.inv(contact.state.stiffness.compliance)
         form = np.broadcast_to(-2 / np.pi * inverse[..., :, 0], contact.state.strengths.shape)
-        series, causes = np.zeros((*form.shape, 0)), contact.state.causes
+        series, causes = np.zeros((*form.shape, 1)), contact.state.causes
         if isinstance(body, Film):
             series = body.from_windows(
                 contact.radius, lambda table, log_a, cases: table.tractions(log_a, causes[cases])

@@ -107,7 +107,7 @@ def turned_pressures(response: Response, density: Density, shift: Array, series:
 def _of_halfspace(shape: Shape) -> Array:
     """Pressures p1 per eta of a half-space whose N^-1 k and (2/pi) (N^-1)_yy are 1 in the first channel; (point,)."""
     ones = np.ones((1, 3))
-    density = Density(shape, 0 * ones, -ones, np.zeros((1, 3, 0)))
+    density = Density(shape, 0 * ones, -ones, np.zeros((1, 3, 1)))
     response = Response(np.eye(3), np.eye(3)[0], shape)
     shift = response.shift(density.hilbert(np.ones(1))[:, 0, 0])
     return np.asarray(turned_pressures(response, density, shift, np.zeros((1, 1)))[0])

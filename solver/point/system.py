@@ -73,10 +73,7 @@ def added_means(x: Array, count: int) -> Array:
     m = 2 * np.arange(count)
     # int_x^1 P_m(v) dv = (1 - x^2) P_m'(x) / (m (m + 1))
     antiderivatives = np.eye(2 * count - 1)[::2] / np.maximum(m * (m + 1), 1)[:, None]
-    if count > 1:
-        derived = np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(antiderivatives, axis=1).T)
-    else:
-        derived = 0 * x[None]
+    derived = np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(antiderivatives, axis=1).T)
     at_zero = np.polynomial.legendre.legvander(np.zeros(1), 2 * count - 2)[0, ::2]
     means = np.moveaxis(derived, 0, -1) - at_zero / (1 + x[..., None])
     return np.asarray(np.where(m > 0, means / np.abs(at_zero), 0.0))

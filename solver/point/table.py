@@ -78,7 +78,8 @@ class PointWindow:
         """Legendre coefficients of the layers' contribution to the tractions at the nodes; (node, 3, n, 4)."""
         kind = self.kind
         kernel = _kernel(kind.film, self.number, kind.shape.exponent % 2 == 0)
-        return added_terms(kind.compliance, _masked(kernel, kind), kind.shape)
+        is_coupled = conducted(np.ones((3, 3)), np.array(kind.conducts))
+        return added_terms(kind.compliance, kernel * is_coupled[..., None, None], kind.shape)
 
     @cached_property
     def edges(self) -> Array:
@@ -157,9 +158,3 @@ def _kernel(film: Stack, number: int, smooth: bool) -> Array:
     per_root = (_SMOOTH_WIDE if number >= _WIDE else _SMOOTH) if smooth else _KINKED
     count = _FIRST + int(per_root * np.sqrt(reach))
     return interactions(film, radii, count)
-
-
-def _masked(kernel: Array, kind: PointKind) -> Array:
-    """Interactions without the entries that couple fields which the punch does not conduct; (node, 3, 3, n, n)."""
-    channels_last = np.moveaxis(kernel, (1, 2), (-2, -1))
-    return np.moveaxis(conducted(channels_last, np.array(kind.conducts)), (-2, -1), (1, 2))

@@ -25,7 +25,7 @@ class Density:
     shape: Shape
     strengths: Array  # Strengths at the edge; (column, 3)
     form: Array  # Half-space's pressure over ``halfspace_form``; (column, 3)
-    series: Array  # Layers' coefficients; (column, 3, n)
+    series: Array  # Layers' coefficients, one zero without layers; (column, 3, n)
 
     @property
     def kinked(self) -> bool:
@@ -44,18 +44,16 @@ class Density:
     def at(self, b: Array) -> Array:
         """Density phi at b, (b,) from 0 to 1; (column, 3, b)."""
         closed = self.strengths[..., None] + self.shape.rise * self.form[..., None] * (1 - b**self.shape.exponent)
-        legendre = np.polynomial.legendre.legvander(b, 2 * max(self._count - 1, 0))[:, ::2][:, : self._count]
+        legendre = np.polynomial.legendre.legvander(b, 2 * self._count - 2)[:, ::2]
         return np.asarray(closed + self.signed @ (legendre - 1).T)
 
     def falling(self, b: Array) -> Array:
         """Return -d phi / db; (column, 3, b)."""
-        e, count = self.shape.exponent, self._count
+        e = self.shape.exponent
         closed = self.shape.rise * e * self.form[..., None] * b ** (e - 1)
-        if not count:
-            return np.asarray(closed + np.zeros((1, 1, b.size)))
-        legendre = np.zeros((*self.series.shape[:2], 2 * count - 1))
+        legendre = np.zeros((*self.series.shape[:2], 2 * self._count - 1))
         legendre[..., ::2] = self.signed
-        derived = np.polynomial.legendre.legder(legendre, axis=-1) if count > 1 else np.zeros((*legendre.shape[:2], 1))
+        derived = np.polynomial.legendre.legder(legendre, axis=-1)
         return np.asarray(closed - derived @ np.polynomial.legendre.legvander(b, derived.shape[-1] - 1).T)
 
     def hilbert(self, b: Array) -> Array:
@@ -70,8 +68,6 @@ class Density:
 
     def _hilbert_series(self, b: Array, artanh: Array) -> Array:
         """Hilbert transform of the layers' contribution times pi/2; (column, 3, b)."""
-        if not self._count:
-            return np.zeros((1, 1, b.size))
         degree = 2 * self._count - 2
         P = np.polynomial.legendre.legvander(b, max(degree, 1))
         D = np.zeros((max(degree, 1) + 1, b.size))  # Q_n - P_n artanh, of the same recurrence
