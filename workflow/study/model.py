@@ -102,6 +102,7 @@ def _announced(message: str) -> Iterator[None]:
         yield
     finally:
         timer.cancel()
+        timer.join()  # a line that has begun is printed whole
 
 
 def load(path: str | Path) -> Study:
