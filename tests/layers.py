@@ -22,10 +22,8 @@ FILES = """
 faults/ slurm/ cloud/ storage/test_netcdf.py
 test_benchmarks.py test_docs.py test_examples.py test_machine.py test_numbers.py test_recipes.py
 test_tutorials.py
-solver/face/test_air.py solver/face/test_films.py solver/face/test_scans.py
-solver/face/test_surface.py
-solver/gap/ solver/halfplane/test_precise.py solver/heat/ solver/line/ solver/point/
-solver/surface/ solver/test_contract.py
+solver/face/test_films.py solver/face/test_scans.py solver/gap/ solver/halfplane/test_precise.py
+solver/heat/ solver/line/ solver/point/ solver/surface/ solver/test_contract.py
 surrogate/gp/test_scattergp.py surrogate/intervals/ surrogate/search/
 surrogate/test_contract.py surrogate/transforms/curves/ surrogate/use/
 verification/

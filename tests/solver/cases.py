@@ -15,6 +15,8 @@ from workflow.run.provenance import ROOT
 
 BTO, CFO, PZT, STEEL, SILICON = (solver.find(name) for name in ("BaTiO3", "CoFe2O4", "PZT-4", "steel", "silicon"))
 FIBROUS = solver.fibrous(BTO, CFO, 0.5)
+#: Materials that contacts along a line take.
+AXIAL = [name for name, material in solver.materials().items() if material.axial]
 
 
 def without(case: dict[str, Any], *names: str) -> dict[str, Any]:

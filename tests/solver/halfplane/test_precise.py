@@ -21,7 +21,7 @@ from solver.halfplane.precision import TOLERATED, rounding
 from solver.halfplane.speed import limiting_speed, transonic_speed
 from solver.halfplane.surface import HalfPlane
 from solver.material.constants import ANY_SIZE
-from tests.solver.cases import CFO, PZT, STEEL, assert_agrees
+from tests.solver.cases import AXIAL, CFO, PZT, STEEL, assert_agrees
 from verification import digits
 from verification.cases import CHARGED, SIH_SONG, constants
 from verification.oracles import collocation, interior, precise
@@ -30,10 +30,6 @@ from verification.oracles.sample_materials import BARIUM_TITANATE, COBALT_FERRIT
 from verification.oracles.surface_response import surface_response
 
 UP_TO_THE_EDGES = (-1e4, -3.17, -1 - 1e-7, -1 + 1e-7, -0.5, 0.0, 0.7, 1 - 1e-7, 1 + 1e-7, 1.49, 3.2, 1e4)
-
-
-#: Materials that contacts along a line take.
-AXIAL = [name for name, material in solver.materials().items() if material.axial]
 
 
 def check(material: solver.Material, positions: tuple[float, ...], **change: float) -> None:

@@ -23,7 +23,7 @@ from solver.names import FILM_PEAKS
 from solver.stack.electrodes import Electrode, electrodes
 from solver.stack.layers import RIGID, Layer, Stack
 from solver.stack.reflection import waves
-from tests.solver.cases import BTO, CFO, FIBROUS, SILICON, STEEL, assert_alike
+from tests.solver.cases import AXIAL, BTO, CFO, FIBROUS, SILICON, STEEL, assert_alike
 
 PVDF, PZT, PDMS, GLASS, COPPER = (solver.find(name) for name in ("PVDF", "PZT-4", "PDMS", "glass", "copper"))
 BARE: dict[str, Any] = {"surroundings": "insulated"}
@@ -298,7 +298,6 @@ def test_permeance_above_an_insulated_base_is_that_of_a_strip(thin: float, load:
 
 
 #: Roots with a large real part put singularities beside the first panels.
-AXIAL = [name for name, material in solver.materials().items() if material.axial]
 STEEP = ["PMN-PT 67:33", "PMN-PT 67:33 (alternative 1)"]
 
 
