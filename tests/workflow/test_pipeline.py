@@ -15,13 +15,19 @@ import pytest
 import surrogate
 from solver import solve
 from storage.netcdf import read_whole
-from tests.studies import data_set, edited, made
+from tests.studies import NAMES, data_set, edited, made
 from tests.workflow.conftest import Copy, Project
 from tests.workflow.dataset.test_similar import GROUPED
 from workflow.learning import training
 from workflow.run.provenance import ROOT
 
 REPORT = "results/small/report.html"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_study_of_the_project_is_planned_to_its_page(name: str, copy: Copy) -> None:
+    done = copy("planned").run("meecontact", "run", name, "--dry-run")
+    assert done.stdout.splitlines()[-1] in ("writing the page", "judging the verification")
 
 
 def test_every_file_speaks_for_itself_to_foreign_programs(ran: Project) -> None:

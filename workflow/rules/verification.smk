@@ -5,7 +5,7 @@ rule check:
         "results/{study}/verification/{group}.json",
     params:
         study=sections("verification"),
-        code=lambda wildcards: provenance.code("workflow/scripts/check.py", f"verification/{wildcards.group}.py"),
+        code=provenance.code("workflow/scripts/check.py"),  # and all of verification/, which it imports
     threads: lambda wildcards: workflow.cores if wildcards.group == "integral_equations" else 1  # timed: alone
     log:
         "logs/{study}/check/{group}.log",

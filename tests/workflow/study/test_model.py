@@ -11,7 +11,7 @@ import xarray as xr
 import yaml
 
 from solver.names import ALL_QUANTITIES, PEAKS
-from tests.studies import NAMES, edited, made
+from tests.studies import edited, made
 from workflow.report import sections as page
 from workflow.run.provenance import ROOT
 from workflow.study import coupling, datum, model, partition, schema, solvable
@@ -20,12 +20,6 @@ from workflow.study.model import Study, load, remade, thawed
 from workflow.study.reading import InputError, read_material, read_yaml
 
 QUICKSTART = Path("config/quickstart.yaml")
-
-
-@pytest.mark.soak  # the solver takes seconds for the corners of most; without them: below
-@pytest.mark.parametrize("name", NAMES)
-def test_every_study_of_the_project_loads(name: str) -> None:
-    assert load(f"config/{name}.yaml").title
 
 
 def test_numbers_follow_yaml_1_2(tmp_path: Path) -> None:
